@@ -1,0 +1,12 @@
+//! From a level file to a [`Level`]: the model, one file per format, and the findings of `check`.
+//!
+//! A reader turns a file into a [`draft::Draft`] in the file's own numbers; [`snap::snap`] puts that
+//! on the integer grid and makes it a [`Level`]. After that nothing is repaired any more.
+
+pub mod draft;
+pub mod finding;
+mod model;
+pub mod scene;
+
+pub use finding::{Finding, Place, Severity};
+pub use model::*;

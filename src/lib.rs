@@ -1,0 +1,4 @@
+//! enfilade: exact cells-and-portals visibility and walkthroughs of architectural levels.
+
+pub mod geom;
+pub mod level;
