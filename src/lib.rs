@@ -2,3 +2,6 @@
 
 pub mod geom;
 pub mod level;
+pub mod cells;
+pub mod sight;
+pub mod pvs;

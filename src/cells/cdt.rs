@@ -1,0 +1,150 @@
+//! Cells by constrained Delaunay triangulation (spade) of the arrangement.
+//!
+//! spade works on f64 points, which hold grid points exactly; only where walls cross between grid
+//! points is a corner rounded for it. So its triangles are a proposal: each is checked by the exact
+//! predicate, flat or inverted ones are mended by flipping, and if any is left, the triangles are
+//! those of the leaves of a BSP instead. What comes out tiles the plan exactly.
+
+use rustc_hash::FxHashMap;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+
+use super::arrangement::Arrangement;
+use super::mesh::{Mesh, join_polygons};
+use crate::geom::{Side, VertexId, orient};
+
+/// Triangles between the arrangement's vertices in which every piece of wall is an edge, as a mesh;
+/// `None` where rounding gave spade a plan that cannot be mended (see the module).
+pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
+    let vertices: Vec<_> = (0..arrangement.vertices.len() as u32).map(VertexId).collect();
+    let points = vertices
+        .iter()
+        .map(|&v| {
+            let p = arrangement.vertices.get(v).approx();
+            Point2::new(p.x, p.y)
+        })
+        .collect();
+    let edges: Vec<[usize; 2]> =
+        arrangement.pieces.iter().map(|p| [p.from.0 as usize, p.to.0 as usize]).collect();
+    let mut conflict = false;
+    let triangulation: ConstrainedDelaunayTriangulation<Point2<f64>> =
+        ConstrainedDelaunayTriangulation::try_bulk_load_cdt(points, edges, |_| conflict = true)
+            .ok()?;
+    // Rounding may also make two vertices one.
+    if conflict || triangulation.num_vertices() != vertices.len() {
+        return None;
+    }
+    let mut triangles: Vec<[VertexId; 3]> = triangulation
+        .inner_faces()
+        .map(|face| face.vertices().map(|v| VertexId(v.index() as u32)))
+        .collect();
+    mend(arrangement, &mut triangles).then(|| {
+        let polygons: Vec<_> = triangles.iter().map(|t| t.to_vec()).collect();
+        join_polygons(arrangement, &polygons)
+    })
+}
+
+/// Flips the long edge of each flat or inverted triangle away; false if some remain. Flat triangles
+/// on the rim are dropped.
+fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
+    let side = |t: &[VertexId; 3]| {
+        let [p, q, r] = t.map(|v| arrangement.vertices.get(v));
+        orient(p, q, r)
+    };
+    let mut bad: Vec<usize> =
+        (0..triangles.len()).filter(|&i| side(&triangles[i]) != Side::Left).collect();
+    if bad.is_empty() {
+        return true;
+    }
+    let walls: FxHashMap<(VertexId, VertexId), ()> =
+        arrangement.pieces.iter().map(|p| ((p.from.min(p.to), p.from.max(p.to)), ())).collect();
+    let mut edge_of: FxHashMap<(VertexId, VertexId), usize> = FxHashMap::default();
+    for (i, t) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            edge_of.insert((t[k], t[(k + 1) % 3]), i);
+        }
+    }
+    let mut dropped = vec![false; triangles.len()];
+    // Each flip takes a vertex off an edge it lies on; a plan that needs more is not worth mending.
+    for _ in 0..bad.len() * 8 {
+        let Some(i) = bad.pop() else { break };
+        if dropped[i] || side(&triangles[i]) == Side::Left {
+            continue;
+        }
+        let t = triangles[i];
+        let Some(k) = (0..3).find(|&k| is_between(arrangement, t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
+        else {
+            return false;
+        };
+        // t[k] lies between the ends of the edge p → q.
+        let (middle, p, q) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
+        let Some(&j) = edge_of.get(&(q, p)) else {
+            dropped[i] = true;
+            for k in 0..3 {
+                edge_of.remove(&(t[k], t[(k + 1) % 3]));
+            }
+            continue;
+        };
+        if walls.contains_key(&(p.min(q), p.max(q))) {
+            return false;
+        }
+        let apex = *triangles[j].iter().find(|&&v| v != p && v != q).unwrap();
+        triangles[i] = [middle, p, apex];
+        triangles[j] = [middle, apex, q];
+        edge_of.remove(&(p, q));
+        edge_of.remove(&(q, p));
+        for n in [i, j] {
+            let t = triangles[n];
+            for k in 0..3 {
+                edge_of.insert((t[k], t[(k + 1) % 3]), n);
+            }
+        }
+        bad.extend([i, j]);
+    }
+    let mut dropped = dropped.iter();
+    triangles.retain(|_| !dropped.next().unwrap());
+    triangles.iter().all(|t| side(t) == Side::Left)
+}
+
+/// Whether `v` lies between `p` and `q`, judged by the dot product's sign on rounded coordinates:
+/// only a guess which edge to flip; the result is checked exactly.
+fn is_between(arrangement: &Arrangement, v: VertexId, p: VertexId, q: VertexId) -> bool {
+    let [v, p, q] = [v, p, q].map(|v| arrangement.vertices.get(v).approx());
+    (p - v).dot(q - v) < 0.0
+}
+
+/// The triangles of already convex cells: a fan from the first corner of each at which no other
+/// corner is in line, and around an inner fan where neighbours meet in the middle of edges.
+pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
+    let mut triangles = Vec::new();
+    for cell in 0..mesh.n_cells() {
+        let mut rest: Vec<VertexId> =
+            mesh.edges[mesh.range(cell)].iter().map(|e| e.origin).collect();
+        // Cut off one true corner after the other; what is left stays convex, with all its points.
+        while rest.len() > 3 {
+            let n = rest.len();
+            let turn = |i: usize| {
+                let [p, q, r] = [(i + n - 1) % n, i, (i + 1) % n]
+                    .map(|i| arrangement.vertices.get(rest[i]));
+                orient(p, q, r) == Side::Left
+            };
+            // Cutting off corner i is allowed if that does not leave the rest on one line, which
+            // happens only if all others are: then a corner next to the flat run is cut instead.
+            let i = (0..n)
+                .find(|&i| turn(i) && spans_area(arrangement, &rest, i))
+                .expect("a convex polygon has a corner to cut");
+            triangles.push(vec![rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]]);
+            rest.remove(i);
+        }
+        triangles.push(rest);
+    }
+    join_polygons(arrangement, &triangles)
+}
+
+/// Whether the polygon without corner `i` has area.
+fn spans_area(arrangement: &Arrangement, polygon: &[VertexId], i: usize) -> bool {
+    let others: Vec<_> = (0..polygon.len())
+        .filter(|&k| k != i)
+        .map(|k| arrangement.vertices.get(polygon[k]))
+        .collect();
+    others.windows(3).any(|w| orient(w[0], w[1], w[2]) != Side::On)
+}

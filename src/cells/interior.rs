@@ -1,0 +1,234 @@
+//! Inside and outside: which cells of a mesh belong to the level, and to which sector.
+//!
+//! Cells that no wall parts form a *face* of the arrangement; a face gets one label, by the level's
+//! [`Interior`] rule, so all subdivisions of a level label the same ground alike.
+
+use std::collections::BTreeMap;
+
+use super::arrangement::{Arrangement, Cover, Piece};
+use super::locate::contains;
+use super::mesh::Mesh;
+use crate::geom::Vertex;
+use crate::level::{Finding, Interior, Level, OutlineId, SectorId, Severity, WallKind};
+
+/// What a cell of a mesh is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Label {
+    /// Whether it belongs to the level.
+    pub inside: bool,
+    /// Its sector; `None` outside, and where the level has no sectors.
+    pub sector: Option<SectorId>,
+    /// Further sectors that walls name for this ground (a defect of the level), ascending. Another
+    /// program may well take one of these for its sector.
+    pub also: Vec<SectorId>,
+}
+
+/// Labels every cell; the findings say where the level contradicts itself.
+pub fn label(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label>, Vec<Finding>) {
+    match &level.interior {
+        Interior::Sides => by_sides(level, arrangement, mesh),
+        Interior::Outlines => by_outlines(level, arrangement, mesh),
+        Interior::Enclosed { starts } => {
+            let starts: Vec<Vertex> =
+                starts.iter().map(|&p| arrangement.frame.enter(p).into()).collect();
+            by_enclosure(arrangement, mesh, &starts)
+        }
+    }
+}
+
+/// Joins cells into faces. The last element stands for the unbounded outside.
+struct Faces {
+    parent: Vec<u32>,
+}
+
+impl Faces {
+    /// Joins neighbouring cells unless `parted` by the piece between them.
+    fn new(arrangement: &Arrangement, mesh: &Mesh, parted: impl Fn(&Piece) -> bool) -> Self {
+        let outside = mesh.n_cells() as u32;
+        let mut faces = Faces { parent: (0..=outside).collect() };
+        for edge in &mesh.edges {
+            if edge.piece.is_none_or(|p| !parted(arrangement.piece(p))) {
+                let other = edge.twin.map_or(outside, |t| mesh.edges[t as usize].cell);
+                let (a, b) = (faces.find(edge.cell), faces.find(other));
+                faces.parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+        faces
+    }
+
+    fn find(&mut self, mut cell: u32) -> u32 {
+        while self.parent[cell as usize] != cell {
+            let up = self.parent[cell as usize];
+            self.parent[cell as usize] = self.parent[up as usize];
+            cell = up;
+        }
+        cell
+    }
+
+    fn outside(&mut self) -> u32 {
+        self.find(self.parent.len() as u32 - 1)
+    }
+}
+
+/// Doom: the sides of the walls around a face name its sector. Sides that disagree are outvoted by
+/// length, and reported.
+fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label>, Vec<Finding>) {
+    let mut faces = Faces::new(arrangement, mesh, |_| true);
+    let outside = faces.outside();
+    // Per face and named sector (None: the back of a one-sided wall): the length that names it, and
+    // the walls.
+    type Votes = BTreeMap<Option<SectorId>, (f64, Vec<Cover>)>;
+    let mut votes: BTreeMap<u32, Votes> = BTreeMap::new();
+    for (i, edge) in mesh.edges.iter().enumerate() {
+        let Some(piece) = edge.piece else { continue };
+        let piece = arrangement.piece(piece);
+        let p = arrangement.vertices.get(edge.origin).approx();
+        let length = p.distance(arrangement.vertices.get(mesh.end(i)).approx());
+        for cover in arrangement.covers(piece) {
+            let named = arrangement.named_sector(level, cover, edge.left_of_piece);
+            let face = votes.entry(faces.find(edge.cell)).or_default();
+            let vote = face.entry(named).or_default();
+            vote.0 += length;
+            vote.1.push(*cover);
+        }
+    }
+    let place = |c: &Cover| level.walls[c.wall.0 as usize].place;
+    let (mut disputed, mut backs, mut leaks) = (Vec::new(), Vec::new(), Vec::new());
+    let mut labels: BTreeMap<u32, Label> = BTreeMap::new();
+    for (&face, votes) in &votes {
+        if face == outside {
+            for (_, (_, covers)) in votes.iter().filter(|(named, _)| named.is_some()) {
+                leaks.extend(covers.iter().map(place));
+            }
+            continue;
+        }
+        let mut ranked: Vec<_> =
+            votes.iter().filter_map(|(named, v)| Some(((*named)?, v))).collect();
+        // Longest first; the smaller number first where lengths are equal.
+        ranked.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
+        let Some(&(sector, _)) = ranked.first() else { continue };
+        let mut also: Vec<SectorId> = ranked[1..].iter().map(|r| r.0).collect();
+        also.sort();
+        for (_, (_, covers)) in &ranked[1..] {
+            disputed.extend(covers.iter().map(place));
+        }
+        if let Some((_, covers)) = votes.get(&None) {
+            backs.extend(covers.iter().map(place));
+        }
+        labels.insert(face, Label { inside: true, sector: Some(sector), also });
+    }
+    let labels = (0..mesh.n_cells() as u32)
+        .map(|cell| labels.get(&faces.find(cell)).cloned().unwrap_or_default())
+        .collect();
+    let mut findings = Vec::new();
+    let mut find = |code, severity, message: &str, mut places: Vec<_>| {
+        places.dedup();
+        if !places.is_empty() {
+            findings.push(Finding { code, severity, message: message.into(), places });
+        }
+    };
+    find(
+        "disputed-sector",
+        Severity::Repaired,
+        "These walls name another sector than most of the walls around the same ground; the \
+         majority by length was taken.",
+        disputed,
+    );
+    find(
+        "back-inside",
+        Severity::Warning,
+        "The back of these one-sided walls faces ground that belongs to a sector; it was taken as \
+         inside.",
+        backs,
+    );
+    find(
+        "leak",
+        Severity::Warning,
+        "A sector named by these walls is open to the unbounded outside; that side was taken as \
+         outside.",
+        leaks,
+    );
+    (labels, findings)
+}
+
+/// Rooms: crossing a wall enters or leaves the outlines that it is an edge of.
+fn by_outlines(
+    level: &Level,
+    arrangement: &Arrangement,
+    mesh: &Mesh,
+) -> (Vec<Label>, Vec<Finding>) {
+    let mut within: Vec<Option<Vec<OutlineId>>> = vec![None; mesh.n_cells()];
+    let crossing = |from: &[OutlineId], piece: Option<_>| -> Vec<OutlineId> {
+        let mut set = from.to_vec();
+        let covers = piece.map_or(&[][..], |p| arrangement.covers(arrangement.piece(p)));
+        for id in covers.iter().filter_map(|c| level.walls[c.wall.0 as usize].outline) {
+            match set.binary_search(&id) {
+                Ok(i) => _ = set.remove(i),
+                Err(i) => set.insert(i, id),
+            }
+        }
+        set
+    };
+    let mut queue: Vec<u32> = Vec::new();
+    for edge in mesh.edges.iter().filter(|e| e.twin.is_none()) {
+        if within[edge.cell as usize].is_none() {
+            within[edge.cell as usize] = Some(crossing(&[], edge.piece));
+            queue.push(edge.cell);
+        }
+    }
+    while let Some(cell) = queue.pop() {
+        let set = within[cell as usize].clone().expect("set when queued");
+        for edge in &mesh.edges[mesh.range(cell as usize)] {
+            let Some(twin) = edge.twin else { continue };
+            let next = mesh.edges[twin as usize].cell as usize;
+            if within[next].is_none() {
+                within[next] = Some(crossing(&set, edge.piece));
+                queue.push(next as u32);
+            }
+        }
+    }
+    let outline = |id: OutlineId| &level.outlines[id.0 as usize];
+    let labels = within
+        .into_iter()
+        .map(|set| {
+            let set = set.unwrap_or_default();
+            let in_room = set.iter().any(|&id| !outline(id).zone);
+            let sector = set.last().and_then(|&id| outline(id).sector).filter(|_| in_room);
+            Label { inside: sector.is_some(), sector, also: Vec::new() }
+        })
+        .collect();
+    (labels, Vec::new())
+}
+
+/// Plans: inside is what walls and openings part from the unbounded outside, and, given start
+/// points, what can be reached from one of them without crossing an opaque wall.
+fn by_enclosure(
+    arrangement: &Arrangement,
+    mesh: &Mesh,
+    starts: &[Vertex],
+) -> (Vec<Label>, Vec<Finding>) {
+    let mut faces = Faces::new(arrangement, mesh, |p| p.opaque || p.opening);
+    let outside = faces.outside();
+    let mut reach = Faces::new(arrangement, mesh, |p| p.opaque && !p.opening);
+    let mut reached = Vec::new();
+    for cell in 0..mesh.n_cells() {
+        let corners = mesh.edges[mesh.range(cell)].iter();
+        let corners: Vec<_> = corners.map(|e| arrangement.vertices.get(e.origin)).collect();
+        if starts.iter().any(|start| contains(&corners, start)) {
+            reached.push(reach.find(cell as u32));
+        }
+    }
+    let labels = (0..mesh.n_cells() as u32)
+        .map(|cell| {
+            let enclosed = faces.find(cell) != outside;
+            let wanted = starts.is_empty() || reached.contains(&reach.find(cell));
+            Label { inside: enclosed && wanted, ..Label::default() }
+        })
+        .collect();
+    (labels, Vec::new())
+}
+
+/// Whether a wall of this kind lets sight through when everything is open.
+pub fn is_see_through(kind: &WallKind) -> bool {
+    matches!(kind, WallKind::Edge { .. } | WallKind::Opening(_))
+}

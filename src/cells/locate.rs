@@ -1,0 +1,80 @@
+//! Point location: which cell holds a point.
+
+use super::{CellGraph, CellId};
+use crate::geom::{GridPoint, Side, Vertex, orient};
+
+/// Whether a convex counterclockwise polygon holds the point, its border included.
+pub fn contains(corners: &[&Vertex], point: &Vertex) -> bool {
+    (0..corners.len())
+        .all(|i| orient(corners[i], corners[(i + 1) % corners.len()], point) != Side::Right)
+}
+
+/// Buckets over the cells' extents, for many point locations. A query looks at the few cells whose
+/// extent meets the point's bucket, and decides exactly.
+pub struct Locator {
+    low: [f64; 2],
+    /// Buckets per grid step.
+    scale: [f64; 2],
+    size: [usize; 2],
+    buckets: Vec<Vec<CellId>>,
+}
+
+impl Locator {
+    /// Buckets for all cells of a graph, about one per cell. O(n).
+    pub fn new(graph: &CellGraph) -> Self {
+        let points = graph.vertices.iter().map(Vertex::approx);
+        let (low, high) = points.fold(
+            (glam::DVec2::splat(f64::MAX), glam::DVec2::splat(f64::MIN)),
+            |(low, high), p| (low.min(p), high.max(p)),
+        );
+        let side = (graph.cells.len() as f64).sqrt().ceil().max(1.0) as usize;
+        let extent = (high - low).max(glam::DVec2::ONE);
+        let mut locator = Locator {
+            low: low.to_array(),
+            scale: [side as f64 / extent.x, side as f64 / extent.y],
+            size: [side, side],
+            buckets: vec![Vec::new(); side * side],
+        };
+        for cell in graph.cell_ids() {
+            let mut low = [usize::MAX; 2];
+            let mut high = [0usize; 2];
+            for v in graph.corners(cell) {
+                let p = graph.vertices.approx(v).to_array();
+                for axis in 0..2 {
+                    // One bucket more each way than the rounded corner needs.
+                    let at = locator.bucket(axis, p[axis]);
+                    low[axis] = low[axis].min(at.saturating_sub(1));
+                    high[axis] = high[axis].max((at + 1).min(side - 1));
+                }
+            }
+            for y in low[1]..=high[1] {
+                for x in low[0]..=high[0] {
+                    locator.buckets[y * side + x].push(cell);
+                }
+            }
+        }
+        locator
+    }
+
+    fn bucket(&self, axis: usize, at: f64) -> usize {
+        let i = ((at - self.low[axis]) * self.scale[axis]).floor();
+        (i.max(0.0) as usize).min(self.size[axis] - 1)
+    }
+
+    /// The cells that hold the point, border included, ascending: one inside a cell, two on a
+    /// portal, none outside.
+    pub fn cells_at(&self, graph: &CellGraph, point: &Vertex) -> Vec<CellId> {
+        let p = point.approx();
+        let bucket = self.bucket(1, p.y) * self.size[0] + self.bucket(0, p.x);
+        let holds = |cell: &&CellId| {
+            let corners: Vec<_> = graph.corners(**cell).map(|v| graph.vertices.exact(v)).collect();
+            contains(&corners, point)
+        };
+        self.buckets[bucket].iter().filter(holds).copied().collect()
+    }
+
+    /// The first of [`Locator::cells_at`] for a grid point.
+    pub fn cell_at(&self, graph: &CellGraph, point: GridPoint) -> Option<CellId> {
+        self.cells_at(graph, &point.into()).first().copied()
+    }
+}

@@ -1,0 +1,201 @@
+//! The predicates by which the exact part of the program decides every geometric sign.
+//!
+//! [`orient`] is exact on any three [`Vertex`] values (256-bit integers). [`Vertices`] holds many of
+//! them with f64 copies, and answers by the copies where a proven error bound allows it, which is
+//! nearly always; for grid points the f64 answer is itself exact.
+
+use ethnum::I256;
+use glam::DVec2;
+use rustc_hash::FxHashMap;
+
+use super::vertex::Vertex;
+
+/// A side of a directed line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// On the left hand of somebody walking along the line.
+    Left,
+    /// Exactly on the line.
+    On,
+    /// On the right hand.
+    Right,
+}
+
+impl Side {
+    /// Left for positive, right for negative numbers.
+    #[inline]
+    pub fn of<N: PartialOrd + Default>(n: N) -> Self {
+        if n > N::default() {
+            Side::Left
+        } else if n < N::default() {
+            Side::Right
+        } else {
+            Side::On
+        }
+    }
+
+    /// The other side; `On` stays.
+    #[inline]
+    pub fn flip(self) -> Self {
+        match self {
+            Side::Left => Side::Right,
+            Side::On => Side::On,
+            Side::Right => Side::Left,
+        }
+    }
+}
+
+/// Side of `r` as seen from `p` walking to `q`: the sign of the determinant of the three homogeneous
+/// points. `On` where two of them coincide.
+///
+/// Widths: each product of two coordinates 160 bits, times a w 214, summed 217: fits 256.
+pub fn orient(p: &Vertex, q: &Vertex, r: &Vertex) -> Side {
+    if let (Some(p), Some(q), Some(r)) = (p.grid(), q.grid(), r.grid()) {
+        return Side::of((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x));
+    }
+    let wide = |v: &Vertex| (I256::from(v.x()), I256::from(v.y()), I256::from(v.w()));
+    let ((px, py, pw), (qx, qy, qw), (rx, ry, rw)) = (wide(p), wide(q), wide(r));
+    Side::of(px * (qy * rw - ry * qw) - py * (qx * rw - rx * qw) + pw * (qx * ry - rx * qy))
+}
+
+/// Index into [`Vertices`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct VertexId(pub u32);
+
+/// A fixed set of exact vertices with f64 copies for the filter.
+#[derive(Clone, Debug, Default)]
+pub struct Vertices {
+    exact: Vec<Vertex>,
+    approx: Vec<DVec2>,
+    /// Whether every vertex is a grid point: then the f64 answer is exact.
+    all_grid: bool,
+    /// A cross product of the f64 copies larger than this has the true sign.
+    bound: f64,
+}
+
+impl Vertices {
+    /// Takes the vertices over; ids are positions.
+    pub fn new(exact: Vec<Vertex>) -> Self {
+        let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
+        let all_grid = exact.iter().all(|v| v.grid().is_some());
+        let bound = if all_grid {
+            // Differences have at most 27 bits, products 53, and so has their difference.
+            0.0
+        } else {
+            // With M the largest coordinate and u = 2^-53: a copy is off by at most 3.01·u·M, a
+            // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
+            // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
+            // 3·u·8M²: together below 2^-45·M².
+            let m = approx.iter().fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
+            m * m * 2f64.powi(-45)
+        };
+        Self { exact, approx, all_grid, bound }
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.exact.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.exact.is_empty()
+    }
+
+    /// The exact vertex.
+    #[inline]
+    pub fn exact(&self, v: VertexId) -> &Vertex {
+        &self.exact[v.0 as usize]
+    }
+
+    /// The vertex in f64, in grid steps; see [`Vertex::approx`] for the error.
+    #[inline]
+    pub fn approx(&self, v: VertexId) -> DVec2 {
+        self.approx[v.0 as usize]
+    }
+
+    /// All exact vertices, in the order of their ids.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &Vertex> {
+        self.exact.iter()
+    }
+
+    /// As [`orient`], by id.
+    #[inline]
+    pub fn orient(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
+        let o = self.approx(p);
+        self.orient_from(p, q, self.approx(q) - o, r, self.approx(r) - o)
+    }
+
+    /// As [`Vertices::orient`], with the f64 differences `q - p` and `r - p` at hand.
+    #[inline]
+    pub fn orient_from(
+        &self,
+        p: VertexId,
+        q: VertexId,
+        to_q: DVec2,
+        r: VertexId,
+        to_r: DVec2,
+    ) -> Side {
+        let cross = to_q.x * to_r.y - to_q.y * to_r.x;
+        if cross > self.bound {
+            Side::Left
+        } else if cross < -self.bound {
+            Side::Right
+        } else if self.all_grid || q == r {
+            Side::On
+        } else {
+            self.orient_exact(p, q, r)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn orient_exact(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
+        orient(self.exact(p), self.exact(q), self.exact(r))
+    }
+
+    /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same
+    /// direction from `p` (and not on opposite sides of it).
+    pub fn same_direction(&self, p: VertexId, q: VertexId, r: VertexId) -> bool {
+        let (p, q, r) = (self.exact(p), self.exact(q), self.exact(r));
+        p.cmp_x(q) == p.cmp_x(r) && p.cmp_y(q) == p.cmp_y(r)
+    }
+}
+
+/// Collects vertices, each point once.
+#[derive(Clone, Debug, Default)]
+pub struct VertexSet {
+    list: Vec<Vertex>,
+    ids: FxHashMap<Vertex, VertexId>,
+}
+
+impl VertexSet {
+    /// The id of `v`, new if the point is new.
+    pub fn insert(&mut self, v: Vertex) -> VertexId {
+        *self.ids.entry(v).or_insert_with(|| {
+            self.list.push(v);
+            VertexId(self.list.len() as u32 - 1)
+        })
+    }
+
+    /// The vertex with that id.
+    #[inline]
+    pub fn get(&self, id: VertexId) -> &Vertex {
+        &self.list[id.0 as usize]
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// All points in the order of their ids.
+    pub fn into_vec(self) -> Vec<Vertex> {
+        self.list
+    }
+}

@@ -1,0 +1,184 @@
+//! From a [`CellGraph`] to its [`Pvs`]: which cells can see which.
+//!
+//! A sees B when some segment from inside A to inside B crosses no wall; cells are open sets, so a
+//! line that only grazes a corner, or squeezes through two walls that touch, is not sight. The
+//! relation is symmetric, and every cell sees itself. [`search`] and [`sweep`] both decide this
+//! exactly, in entirely different ways.
+
+mod bits;
+mod fan;
+pub mod search;
+pub mod sweep;
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+pub use bits::{BitMatrix, ones};
+
+use crate::cells::{CellGraph, CellId};
+
+/// How a potentially visible set was computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// About every vertex in turn; exact.
+    #[default]
+    Sweep,
+    /// Depth first through chains of portals; exact.
+    Search,
+}
+
+impl Method {
+    /// The name on the command line and in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Method::Sweep => "sweep",
+            Method::Search => "search",
+        }
+    }
+
+    /// What the method promises.
+    pub fn class(self) -> Class {
+        match self {
+            Method::Sweep | Method::Search => Class::Exact,
+        }
+    }
+}
+
+/// What a visible set is, compared with the exact one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// The exact one.
+    Exact,
+    /// Misses nothing; may hold too much.
+    Conservative,
+    /// Holds nothing too much; may miss something.
+    Aggressive,
+    /// May do both.
+    Approximate,
+}
+
+impl Class {
+    /// The name in JSON.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Class::Exact => "exact",
+            Class::Conservative => "conservative",
+            Class::Aggressive => "aggressive",
+            Class::Approximate => "approximate",
+        }
+    }
+}
+
+/// A cell-to-cell visibility relation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pvs {
+    /// Bit j of row i: cell i sees cell j. Symmetric, with ones on the diagonal.
+    pub visible: BitMatrix,
+    /// How it was computed.
+    pub method: Method,
+    /// What it promises.
+    pub class: Class,
+    /// Ordered pairs that count as visible without proof, for methods with a budget.
+    pub undecided: u64,
+    /// Elementary steps that the method took: cells entered.
+    pub steps: u64,
+}
+
+impl Pvs {
+    /// Whether one cell sees another.
+    pub fn sees(&self, a: CellId, b: CellId) -> bool {
+        self.visible.get(a.0 as usize, b.0 as usize)
+    }
+
+    /// The cells that a cell sees, itself included, ascending.
+    pub fn seen_from(&self, cell: CellId) -> impl Iterator<Item = CellId> + '_ {
+        self.visible.ones(cell.0 as usize).map(|i| CellId(i as u32))
+    }
+
+    /// Ordered visible pairs, (i, i) included.
+    pub fn pairs(&self) -> u64 {
+        self.visible.total()
+    }
+
+    /// Visible pairs as a share of all pairs; 0 without cells.
+    pub fn density(&self) -> f64 {
+        let n = self.visible.n() as f64;
+        if n == 0.0 { 0.0 } else { self.pairs() as f64 / (n * n) }
+    }
+
+    /// Checks that the relation is symmetric and reflexive, and that cells that share a portal see
+    /// each other.
+    pub fn validate(&self, graph: &CellGraph) -> Result<(), Flaw> {
+        if self.visible.n() != graph.cells.len() {
+            return Err(Flaw::Size { cells: graph.cells.len(), rows: self.visible.n() });
+        }
+        for a in graph.cell_ids() {
+            if !self.sees(a, a) {
+                return Err(Flaw::NotReflexive(a));
+            }
+            if let Some(b) = self.seen_from(a).find(|&b| !self.sees(b, a)) {
+                return Err(Flaw::NotSymmetric(a, b));
+            }
+        }
+        for portal in &graph.portals {
+            let [a, b] = graph.joined(portal);
+            if !self.sees(a, b) {
+                return Err(Flaw::Neighbours(a, b));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A broken invariant of a [`Pvs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// It is for another number of cells.
+    Size {
+        /// Cells of the graph.
+        cells: usize,
+        /// Rows of the relation.
+        rows: usize,
+    },
+    /// A cell does not see itself.
+    NotReflexive(CellId),
+    /// The first sees the second, but not the other way round.
+    NotSymmetric(CellId, CellId),
+    /// Two cells share a portal but do not see each other.
+    Neighbours(CellId, CellId),
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Flaw::Size { cells, rows } => write!(f, "{cells} cells, but {rows} rows"),
+            Flaw::NotReflexive(a) => write!(f, "cell {} does not see itself", a.0),
+            Flaw::NotSymmetric(a, b) => {
+                write!(f, "cell {} sees cell {}, but not the other way round", a.0, b.0)
+            }
+            Flaw::Neighbours(a, b) => {
+                write!(f, "cells {} and {} share a portal but do not see each other", a.0, b.0)
+            }
+        }
+    }
+}
+
+/// How far a computation has come; read by others while it runs.
+#[derive(Debug, Default)]
+pub struct Progress {
+    /// Units of work done.
+    pub done: AtomicU64,
+    /// Units of work in all; 0 before it is known.
+    pub total: AtomicU64,
+}
+
+impl Progress {
+    fn begin(&self, total: usize) {
+        self.done.store(0, Relaxed);
+        self.total.store(total as u64, Relaxed);
+    }
+
+    fn advance(&self, by: usize) {
+        self.done.fetch_add(by as u64, Relaxed);
+    }
+}

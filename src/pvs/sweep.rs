@@ -1,0 +1,319 @@
+//! The exact PVS by a sweep of directions about every vertex.
+//!
+//! In: a [`CellGraph`]. Out: its exact [`Pvs`]. O(Σ over vertices of the cells seen from it), times
+//! the words that the cells on one line take in a bit row.
+//!
+//! Why it is complete. Let A see B, pick any corner v of A, points a in A and b in B whose segment
+//! is free, and b on no line through v and another vertex (almost every point of B is such). Move a
+//! straight to v. Either the segment stays free all the way: then b is in the fan of v, less than a
+//! half turn from A's angle at v and not parted from it by a wall (rule 1). Or a wall's end w stops
+//! it first, somewhere between: then the line through w and b is free on both sides of w, with all
+//! walls at w on one side of it, and has A behind w (rule 2). So it is enough to apply rule 2 about
+//! all vertices where cells between two walls (or around one wall's end) span more than a half turn,
+//! and rule 1 about one corner of every cell.
+//!
+//! Why it is sound. A direction of a fan is an open condition: a little to the side, and from a
+//! little beside v, the way is as free.
+
+use rayon::prelude::*;
+
+use super::bits::{SharedBits, SmallSet};
+use super::fan::{Event, FanWalk};
+use super::{Class, Method, Progress, Pvs};
+use crate::cells::{CellGraph, EdgeId};
+use crate::geom::{Side, VertexId};
+
+/// Consecutive cells around a vertex, not parted by a wall.
+struct Group {
+    vertex: VertexId,
+    /// Range of [`Plan::bases`].
+    first: u32,
+    end: u32,
+    /// Whether they span more than a half turn between walls: then rule 2 applies.
+    wide: bool,
+    /// Whether they go all around, without any wall.
+    ring: bool,
+    /// Whether the fan is needed at all.
+    needed: bool,
+}
+
+/// What is done about which vertex.
+struct Plan {
+    groups: Vec<Group>,
+    /// Edges that start in the group's vertex, counterclockwise.
+    bases: Vec<EdgeId>,
+    /// Whether rule 1 is applied here to the base's cell.
+    covers: Vec<bool>,
+}
+
+/// The exact PVS. Uses the current rayon thread pool; the result does not depend on its size.
+pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
+    let plan = plan(graph);
+    let groups: Vec<&Group> = plan.groups.iter().filter(|g| g.needed).collect();
+    progress.begin(groups.len());
+    let n = graph.cells.len();
+    let bits = SharedBits::new(n);
+    // Small chunks, so that threads that finish early find work.
+    let steps = groups
+        .par_chunks(16)
+        .map_init(
+            || Scratch::new(n),
+            |scratch, chunk| {
+                let steps: u64 =
+                    chunk.iter().map(|group| about(graph, &plan, group, scratch, &bits)).sum();
+                progress.advance(chunk.len());
+                steps
+            },
+        )
+        .sum();
+    Pvs {
+        visible: bits.symmetric(),
+        method: Method::Sweep,
+        class: Class::Exact,
+        undecided: 0,
+        steps,
+    }
+}
+
+/// Groups the cells around every vertex, and picks for every cell a corner for rule 1: where the
+/// fan is walked anyway, or else where it serves most cells.
+fn plan(graph: &CellGraph) -> Plan {
+    let n_edges = graph.edges.len() as u32;
+    let mut plan = Plan {
+        groups: Vec::new(),
+        bases: Vec::with_capacity(n_edges as usize),
+        covers: vec![false; n_edges as usize],
+    };
+    let mut grouped = vec![false; n_edges as usize];
+    // First from every wall counterclockwise to the next; what is left are rings without walls.
+    for walls_first in [true, false] {
+        for start in (0..n_edges).map(EdgeId) {
+            if grouped[start.0 as usize] || (walls_first && graph.edge(start).twin().is_some()) {
+                continue;
+            }
+            let first = plan.bases.len() as u32;
+            let mut base = start;
+            loop {
+                grouped[base.0 as usize] = true;
+                plan.bases.push(base);
+                match graph.edge(graph.previous(base)).twin() {
+                    Some(next) if next != start => base = next,
+                    _ => break,
+                }
+            }
+            let ring = !walls_first;
+            let vertex = graph.edge(start).origin;
+            let (alpha, beta) = (graph.end(start), graph.edge(graph.previous(base)).origin);
+            let wide = !ring
+                && match graph.vertices.orient(vertex, alpha, beta) {
+                    Side::Left => false,
+                    Side::Right => true,
+                    // All around one wall's end, or exactly a half turn.
+                    Side::On => graph.vertices.same_direction(vertex, alpha, beta),
+                };
+            let end = plan.bases.len() as u32;
+            plan.groups.push(Group { vertex, first, end, wide, ring, needed: wide });
+        }
+    }
+    let mut covered = vec![false; graph.cells.len()];
+    let mut others: Vec<usize> = (0..plan.groups.len()).filter(|&g| !plan.groups[g].wide).collect();
+    let size = |group: &Group| group.end - group.first;
+    others.sort_by_key(|&g| std::cmp::Reverse(size(&plan.groups[g])));
+    let wide = (0..plan.groups.len()).filter(|&g| plan.groups[g].wide);
+    for g in wide.chain(others).collect::<Vec<_>>() {
+        let group = &mut plan.groups[g];
+        for i in group.first..group.end {
+            let cell = &mut covered[graph.edge(plan.bases[i as usize]).cell.0 as usize];
+            if !*cell {
+                *cell = true;
+                plan.covers[i as usize] = true;
+                group.needed = true;
+            }
+        }
+    }
+    plan
+}
+
+/// Room for the sweep about one vertex after the other.
+struct Scratch {
+    walk: FanWalk,
+    events: Vec<Event>,
+    ahead: SmallSet,
+    behind: SmallSet,
+}
+
+impl Scratch {
+    fn new(n: usize) -> Self {
+        Self {
+            walk: FanWalk::default(),
+            events: Vec::new(),
+            ahead: SmallSet::new(n),
+            behind: SmallSet::new(n),
+        }
+    }
+}
+
+fn about(
+    graph: &CellGraph,
+    plan: &Plan,
+    group: &Group,
+    scratch: &mut Scratch,
+    bits: &SharedBits,
+) -> u64 {
+    let range = group.first as usize..group.end as usize;
+    let bases = &plan.bases[range.clone()];
+    let covers = &plan.covers[range];
+    let cell_of = |base: EdgeId| graph.edge(base).cell.0;
+    let chosen = bases.iter().zip(covers).filter(|(_, chosen)| **chosen).map(|(&base, _)| base);
+    if !group.wide {
+        // Rule 1: every cell of the group sees all of the fan.
+        let Scratch { walk, ahead: seen, .. } = scratch;
+        let steps = walk.walk(graph, group.vertex, bases, |event| {
+            if event.enters {
+                seen.insert(event.cell);
+            }
+        });
+        chosen.for_each(|base| bits.or_row(cell_of(base), seen));
+        seen.clear();
+        return steps;
+    }
+    debug_assert!(!group.ring);
+    scratch.events.clear();
+    let Scratch { walk, events, .. } = scratch;
+    let steps = walk.walk(graph, group.vertex, bases, |event| events.push(event));
+    for base in chosen {
+        see_ahead(graph, group.vertex, base, scratch, bits);
+    }
+    pair_opposites(graph, group.vertex, scratch, bits);
+    steps
+}
+
+/// Rule 1 in a wide group: the cell of `base` sees what lies less than a half turn from its own
+/// angle `[first, last]`, on either side.
+fn see_ahead(
+    graph: &CellGraph,
+    v: VertexId,
+    base: EdgeId,
+    scratch: &mut Scratch,
+    bits: &SharedBits,
+) {
+    let cell = graph.edge(base).cell.0;
+    let first = graph.end(base);
+    let last = graph.edge(graph.previous(base)).origin;
+    let origin = graph.vertices.approx(v);
+    let (first_d, last_d) =
+        (graph.vertices.approx(first) - origin, graph.vertices.approx(last) - origin);
+    let seen = &mut scratch.ahead;
+    let events = &scratch.events;
+    // All of a cell lies within its angle at v, so it comes and goes once.
+    let begin = events.iter().position(|e| e.cell == cell).expect("the fan holds its bases");
+    let end = events.iter().rposition(|e| e.cell == cell).expect("the fan holds its bases");
+    // `On` means the same direction, which is near enough, or the opposite one, which is not.
+    let within = |side: Side, p: VertexId, q: VertexId| {
+        side == Side::Left || (side == Side::On && graph.vertices.same_direction(v, p, q))
+    };
+    for event in &events[begin..end] {
+        seen.insert(event.cell);
+    }
+    // Clockwise from there: what ends less than a half turn before `first`.
+    for Event { ray, cell, .. } in events[..begin].iter().rev().filter(|e| !e.enters) {
+        let side = graph.vertices.orient_from(v, ray.to, ray.d, first, first_d);
+        if !within(side, ray.to, first) {
+            break;
+        }
+        seen.insert(*cell);
+    }
+    // Counterclockwise: what starts less than a half turn after `last`.
+    for Event { ray, cell, .. } in events[end..].iter().filter(|e| e.enters) {
+        let side = graph.vertices.orient_from(v, last, last_d, ray.to, ray.d);
+        if !within(side, last, ray.to) {
+            break;
+        }
+        seen.insert(*cell);
+    }
+    bits.or_row(cell, seen);
+    seen.clear();
+}
+
+/// Rule 2: cells met on opposite sides of v by one free line through it. Two pointers go through the
+/// fan's events, the second a half turn ahead of the first.
+fn pair_opposites(graph: &CellGraph, v: VertexId, scratch: &mut Scratch, bits: &SharedBits) {
+    let Scratch { events, ahead, behind, .. } = scratch;
+    let vertices = &graph.vertices;
+    let side = |p: &Event, q: &Event| {
+        vertices.orient_from(v, p.ray.to, p.ray.d, q.ray.to, q.ray.d)
+    };
+    let apply = |set: &mut SmallSet, event: &Event| {
+        if event.enters { set.insert(event.cell) } else { set.remove(event.cell) }
+    };
+    let start = events[0];
+    // What is seen in the first direction, …
+    let mut i = 0;
+    while side(&start, &events[i]) == Side::On
+        && vertices.same_direction(v, start.ray.to, events[i].ray.to)
+    {
+        apply(ahead, &events[i]);
+        i += 1;
+    }
+    // … and what is seen opposite to it: all that happens up to a half turn.
+    let mut j = 0;
+    let mut turned = false;
+    while let Some(event) = events.get(j) {
+        match side(&start, event) {
+            Side::Left => turned = true,
+            Side::Right => break,
+            Side::On => {
+                let same = vertices.same_direction(v, start.ray.to, event.ray.to);
+                if same && turned {
+                    break; // a full turn
+                }
+                turned |= !same;
+            }
+        }
+        apply(behind, event);
+        j += 1;
+    }
+    ahead.for_each(|cell| bits.or_row(cell, behind));
+    // Both pointers' next directions are less than a half turn from the current one (no cell's
+    // angle is wider), so that the sign of one cross product tells which comes first.
+    while j < events.len() {
+        let (take_i, take_j) = match side(&events[i], &events[j]) {
+            Side::Left => (false, true),
+            Side::Right => (true, false),
+            Side::On => (true, true),
+        };
+        let (at_i, at_j) = (events[i], events[j]);
+        let here = |at: &Event, event: &Event| {
+            at.ray.to == event.ray.to || side(at, event) == Side::On
+        };
+        // Intervals that only touch in one direction do not pair: all exits come first.
+        if take_i {
+            while !events[i].enters && here(&at_i, &events[i]) {
+                ahead.remove(events[i].cell);
+                i += 1;
+            }
+        }
+        if take_j {
+            while j < events.len() && !events[j].enters && here(&at_j, &events[j]) {
+                behind.remove(events[j].cell);
+                j += 1;
+            }
+        }
+        if take_i {
+            while events[i].enters && here(&at_i, &events[i]) {
+                ahead.insert(events[i].cell);
+                bits.or_row(events[i].cell, behind);
+                i += 1;
+            }
+        }
+        if take_j {
+            while j < events.len() && events[j].enters && here(&at_j, &events[j]) {
+                behind.insert(events[j].cell);
+                bits.or_row(events[j].cell, ahead);
+                j += 1;
+            }
+        }
+    }
+    ahead.clear();
+    behind.clear();
+}

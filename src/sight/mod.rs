@@ -1,0 +1,3 @@
+//! Sightlines: which lines stab a chain of portals.
+
+pub mod funnel;
