@@ -7,6 +7,7 @@ pub mod draft;
 pub mod finding;
 mod model;
 pub mod scene;
+pub mod snap;
 
 pub use finding::{Finding, Place, Severity};
 pub use model::*;
