@@ -8,6 +8,7 @@ pub mod finding;
 mod model;
 pub mod scene;
 pub mod snap;
+pub mod toml;
 
 pub use finding::{Finding, Place, Severity};
 pub use model::*;
