@@ -8,13 +8,13 @@ use std::ops::Range;
 use glam::DVec2;
 use toml::Spanned;
 
-use crate::geom::Grid;
+use crate::geom::{Grid, Step};
 
 use super::super::draft::{DraftWall, Numbers};
 use super::super::finding::Place;
 use super::super::model::{Height, Outline, OutlineId, Sector, SectorId, WallKind};
 use super::super::scene::MaterialId;
-use super::super::snap::{RawPoint, SnapError, choose_grid};
+use super::super::snap::{RawPoint, choose_grid};
 use super::error::{TomlError, probably_meant};
 use super::outline::{check, contains, grid_points, inner_point};
 use super::record::{Corners, File, Finite, Name, Pillar, Point2};
@@ -197,7 +197,11 @@ fn provisional_grid(source: &SourceText, file: &File) -> Result<Grid, TomlError>
         points.extend(written_points(source, &wall.get_ref().points));
     }
     if points.is_empty() {
-        return Err(SnapError::Empty.into());
+        // Nothing to check; whatever is missing is reported where it is missed.
+        return Ok(Grid {
+            step: Step::Decimal(4),
+            origin: [0, 0],
+        });
     }
     Ok(choose_grid(Numbers::Decimal, &points)?)
 }
