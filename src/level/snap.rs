@@ -8,7 +8,7 @@
 //!    written coordinate exactly where that is possible.
 //! 2. Every point goes to its nearest grid point; points that were one before stay one; walls
 //!    without length are dropped.
-//! 3. What touched before is joined ([`join`]): a wall is split at the ends that lay on it, where
+//! 3. What touched before is joined (`join`): a wall is split at the ends that lay on it, where
 //!    rounding would have torn them off.
 //!
 //! A level that the grid holds exactly is not changed at all, and a level that is moved by whole

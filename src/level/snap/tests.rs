@@ -40,7 +40,7 @@ fn codes(level: &Level) -> Vec<&'static str> {
 fn decimals_are_exact_and_unchanged() {
     let walls = vec![
         wall([0.1, 0.2], [500.3, 0.7]),
-        wall([500.3, 0.7], [3.14159, -2.71828]),
+        wall([500.3, 0.7], [3.24159, -2.81828]),
     ];
     let level = snap(draft(Numbers::Decimal, walls.clone())).unwrap();
     assert_eq!(level.grid.step, Step::Decimal(5));
@@ -185,7 +185,7 @@ fn a_wide_extent_gets_the_finest_step_that_fits() {
     // With five decimals it does not fit: snapped and said so.
     let level = snap(draft(
         Numbers::Decimal,
-        vec![wall([0., 0.], [10_000.12345, 5.])],
+        vec![wall([0., 0.], [10_000.123_45, 5.])],
     ))
     .unwrap();
     assert_eq!(level.grid.step, Step::Decimal(3));

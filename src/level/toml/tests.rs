@@ -425,7 +425,7 @@ fn mistakes_are_named_with_their_place() {
             "line 1, column 10: a level with rooms has no `start`",
         ),
         (
-            &format!("start = [[9, 9]]\n[[wall]]\npoints = [[0, 0], [1, 1]]"),
+            "start = [[9, 9]]\n[[wall]]\npoints = [[0, 0], [1, 1]]",
             "(9, 9): the start point lies outside",
         ),
     ];
@@ -488,7 +488,6 @@ fn is_inside(level: &Level, p: DVec2) -> bool {
         }
     }
     (level.outlines.iter().zip(within))
-        .filter(|(outline, within)| *within && !outline.zone)
-        .next_back()
+        .rfind(|(outline, within)| *within && !outline.zone)
         .is_some_and(|(outline, _)| outline.sector.is_some())
 }
