@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::finding::{Finding, Place};
 use super::model::{Outline, OutlineId, Sector, SectorId, WallKind};
-use super::scene::Scene;
+use super::scene::{MaterialId, Scene};
 
 /// A level whose plan coordinates are the numbers of the file.
 #[derive(Clone, Debug)]
@@ -65,8 +65,8 @@ pub struct DraftWall {
     pub right: Option<SectorId>,
     /// Outline that this is an edge of.
     pub outline: Option<OutlineId>,
-    /// Index into the scene's materials.
-    pub material: Option<usize>,
+    /// Its surface.
+    pub material: Option<MaterialId>,
     /// Where it stands in the source.
     pub place: Place,
 }

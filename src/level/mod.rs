@@ -7,6 +7,8 @@ pub mod draft;
 pub mod finding;
 mod model;
 pub mod scene;
+pub mod snap;
+pub mod toml;
 
 pub use finding::{Finding, Place, Severity};
 pub use model::*;

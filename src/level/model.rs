@@ -7,7 +7,7 @@
 use crate::geom::{Grid, GridPoint};
 
 use super::finding::{Finding, Place};
-use super::scene::Scene;
+use super::scene::{MaterialId, Scene};
 
 /// Index into [`Level::sectors`]; for formats that number their sectors, that number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -36,7 +36,8 @@ pub struct Level {
     pub snap: f64,
     /// Number of distinct points that walls start or end in.
     pub n_vertices: usize,
-    /// All walls, edges and openings, in file order. None has zero length.
+    /// All walls, edges and openings, in file order (in a TOML level: room by room, then pillars,
+    /// zones, free-standing walls, openings). None has zero length.
     pub walls: Vec<Wall>,
     /// Sectors: places with one floor and ceiling (a Doom sector; a room or zone of a TOML level).
     pub sectors: Vec<Sector>,
@@ -65,8 +66,8 @@ pub struct Wall {
     pub right: Option<SectorId>,
     /// The outline that this wall is an edge of: crossing the wall enters or leaves that outline.
     pub outline: Option<OutlineId>,
-    /// Index into the scene's materials, if the source names one.
-    pub material: Option<usize>,
+    /// Its surface, if the source names one.
+    pub material: Option<MaterialId>,
     /// Where it stands in the source.
     pub place: Place,
 }
@@ -76,7 +77,8 @@ pub struct Wall {
 pub enum WallKind {
     /// Opaque over its whole length, whatever else lies on the same line.
     Solid,
-    /// Edge of an area's outline: opaque, except where an [`WallKind::Opening`] lies on it.
+    /// Edge of an area's outline, or a wall standing free inside one (then [`Wall::outline`] is
+    /// `None`): opaque, except where an [`WallKind::Opening`] lies on it.
     Outline,
     /// See-through: a change of sector without a wall (a Doom two-sided line, the edge of a zone).
     /// `shut` says that it bounds a sector that is closed at rest and moves (a Doom door): a wall
@@ -161,12 +163,14 @@ impl Height {
     }
 }
 
-/// A closed outline whose inside belongs to a sector. Its edges are the walls that carry its id;
-/// inside is where a ray to infinity crosses them an odd number of times.
+/// A closed outline whose inside belongs to a sector, or to none. Its edges are the walls that carry
+/// its id, whatever their kind; inside is where a ray to infinity crosses them an odd number of
+/// times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// The sector inside.
-    pub sector: SectorId,
+    /// The sector inside; `None`: a void (the inside of a pillar), which is outside the level even
+    /// where outlines before it enclose a room.
+    pub sector: Option<SectorId>,
     /// Whether this only changes heights within rooms (a zone): it does not make an outside place
     /// an inside one.
     pub zone: bool,
@@ -177,9 +181,12 @@ pub struct Outline {
 pub enum Interior {
     /// Walls name the sector on each side (Doom). A face that no wall names is outside.
     Sides,
-    /// [`Level::outlines`] enclose the rooms; where several do, the last one gives the sector.
+    /// [`Level::outlines`] enclose the rooms. Where several do, the last one that is no zone
+    /// decides between inside and outside (a void), and the last one of all gives the sector.
     Outlines,
-    /// Whatever is enclosed by walls; with start points, only what can be reached from one.
+    /// Whatever is enclosed by walls; with start points, only what can be reached from one. Inside
+    /// a void outline is outside. The first sector, if there is one, gives floor and ceiling
+    /// where no zone does.
     Enclosed {
         /// Points in the inside; may be empty.
         starts: Vec<GridPoint>,

@@ -1,0 +1,582 @@
+//! Rooms, zones, free-standing walls and pillars become outlines and draft walls.
+//!
+//! In: the checked tables of a file. Out: a [`Plan`], into which [`super::opening`] then cuts.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use glam::DVec2;
+use toml::Spanned;
+
+use crate::geom::{Grid, Step};
+
+use super::super::draft::{DraftWall, Numbers};
+use super::super::finding::Place;
+use super::super::model::{Height, Outline, OutlineId, Sector, SectorId, WallKind};
+use super::super::scene::MaterialId;
+use super::super::snap::{RawPoint, choose_grid};
+use super::error::{TomlError, probably_meant};
+use super::outline::{check, contains, grid_points, inner_point};
+use super::record::{Corners, File, Finite, Name, Pillar, Point2};
+use super::source::SourceText;
+
+/// What the file says once for all.
+pub(super) struct Plan<'a> {
+    pub source: &'a SourceText<'a>,
+    pub grid: Grid,
+    pub materials: &'a Names,
+    pub walls: Vec<DraftWall>,
+    pub sectors: Vec<Sector>,
+    pub outlines: Vec<Outline>,
+    pub rooms: Vec<RoomShape>,
+    pub room_names: Names,
+    /// Every straight wall that an opening can be cut into.
+    pub edges: Vec<Edge>,
+    /// Floor and ceiling where no room says otherwise.
+    pub default_heights: [f64; 2],
+}
+
+/// A room's outline and heights, for the openings cut into it and the zones laid in it.
+pub(super) struct RoomShape {
+    pub corners: Vec<DVec2>,
+    pub counterclockwise: bool,
+    pub floor: f64,
+    pub ceiling: f64,
+}
+
+/// A straight wall that an opening can be cut into.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    pub from: DVec2,
+    pub to: DVec2,
+    /// The room whose edge it is; `None` for a free-standing wall.
+    pub room: Option<usize>,
+}
+
+/// Names of things of one kind, with index and place.
+pub(super) struct Names {
+    what: &'static str,
+    index: HashMap<String, (usize, Place)>,
+}
+
+impl Names {
+    /// No names yet; `what` is "room", "material", …, for errors.
+    pub(super) fn new(what: &'static str) -> Self {
+        let index = HashMap::new();
+        Names { what, index }
+    }
+
+    /// Numbers the names from 0; an error where one occurs twice.
+    pub(super) fn of<'n>(
+        source: &SourceText,
+        what: &'static str,
+        names: impl Iterator<Item = &'n Name>,
+    ) -> Result<Self, TomlError> {
+        let mut result = Names::new(what);
+        for (i, name) in names.enumerate() {
+            let place = source.place(name.span());
+            let earlier = result.index.insert(name.get_ref().clone(), (i, place));
+            if let Some((_, first)) = earlier {
+                return Err(TomlError::DuplicateName {
+                    place,
+                    what,
+                    name: name.get_ref().clone(),
+                    first,
+                });
+            }
+        }
+        Ok(result)
+    }
+
+    /// The index of a name; an error, with a suggestion, where nothing has it.
+    pub(super) fn find(&self, source: &SourceText, name: &Name) -> Result<usize, TomlError> {
+        self.index
+            .get(name.get_ref())
+            .map(|(i, _)| *i)
+            .ok_or_else(|| {
+                // Sorted, so that the suggestion does not depend on the order of a hash map.
+                let mut known: Vec<&str> = self.index.keys().map(String::as_str).collect();
+                known.sort_unstable();
+                TomlError::UnknownName {
+                    place: source.place(name.span()),
+                    what: self.what,
+                    name: name.get_ref().clone(),
+                    suggestion: probably_meant(name.get_ref(), known.into_iter()),
+                }
+            })
+    }
+}
+
+/// The plan of a file, without its openings.
+pub(super) fn read_plan<'a>(
+    source: &'a SourceText<'a>,
+    file: &File,
+    materials: &'a Names,
+) -> Result<Plan<'a>, TomlError> {
+    let defaults = &file.defaults;
+    let floor = defaults.floor.map_or(0.0, |z| z.0);
+    let ceiling = defaults
+        .ceiling
+        .as_ref()
+        .map_or(floor + 3.0, |z| z.get_ref().0);
+    if let Some(given) = defaults.ceiling.as_ref()
+        && ceiling <= floor
+    {
+        return Err(TomlError::CeilingNotAboveFloor {
+            place: source.place(given.span()),
+            what: "the defaults".into(),
+            floor,
+            ceiling,
+        });
+    }
+    let mut plan = Plan {
+        source,
+        grid: provisional_grid(source, file)?,
+        materials,
+        walls: Vec::new(),
+        sectors: Vec::new(),
+        outlines: Vec::new(),
+        rooms: Vec::new(),
+        room_names: Names::of(source, "room", file.room.iter().map(|r| &r.get_ref().name))?,
+        edges: Vec::new(),
+        default_heights: [floor, ceiling],
+    };
+    add_rooms(&mut plan, file)?;
+    add_pillars(&mut plan, file)?;
+    // Outlines of zones come last, so that they, not the rooms around them, give the sector; the
+    // walls of pillars and the free-standing ones follow those of the rooms.
+    add_zones(&mut plan, file)?;
+    add_free_walls(&mut plan, file)?;
+    if file.room.is_empty() {
+        plan.sectors.insert(0, whole_level(file, floor, ceiling));
+        for outline in &mut plan.outlines {
+            outline.sector = outline.sector.map(|s| SectorId(s.0 + 1));
+        }
+        for side in (plan.walls.iter_mut()).flat_map(|w| [&mut w.left, &mut w.right]) {
+            *side = side.map(|s| SectorId(s.0 + 1));
+        }
+    }
+    Ok(plan)
+}
+
+/// The sector of a level that has walls but no rooms.
+fn whole_level(file: &File, floor: f64, ceiling: f64) -> Sector {
+    let surface = |name: &Option<Name>| name.as_ref().map(|n| n.get_ref().clone());
+    Sector {
+        name: file.name.clone(),
+        floor: Height::fixed(floor),
+        ceiling: Height::fixed(ceiling),
+        light: None,
+        floor_material: surface(&file.defaults.materials.floor),
+        ceiling_material: surface(&file.defaults.materials.ceiling),
+        place: Place::Text { line: 1, column: 1 },
+    }
+}
+
+/// The grid that holds every written corner, on which outlines are checked exactly.
+fn provisional_grid(source: &SourceText, file: &File) -> Result<Grid, TomlError> {
+    let mut points = Vec::new();
+    let mut add_shape = |rect: &Option<Spanned<[Finite; 4]>>, corners: &Option<Corners>| {
+        points.extend(rect.iter().flat_map(|r| rect_corners(source, r)));
+        points.extend(corners.iter().flat_map(|c| written_points(source, c)));
+    };
+    for room in file.room.iter().map(Spanned::get_ref) {
+        add_shape(&room.rect, &room.outline);
+    }
+    for zone in file.zone.iter().map(Spanned::get_ref) {
+        add_shape(&zone.rect, &zone.outline);
+    }
+    for pillar in file.pillar.iter().map(Spanned::get_ref) {
+        add_shape(&pillar.rect, &pillar.outline);
+    }
+    for table in &file.pillar {
+        let rings = round_pillars(source, table)?;
+        points.extend(rings.into_iter().flatten());
+    }
+    for wall in &file.wall {
+        points.extend(written_points(source, &wall.get_ref().points));
+    }
+    if points.is_empty() {
+        // Nothing to check; whatever is missing is reported where it is missed.
+        return Ok(Grid {
+            step: Step::Decimal(4),
+            origin: [0, 0],
+        });
+    }
+    Ok(choose_grid(Numbers::Decimal, &points)?)
+}
+
+fn add_rooms(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
+    for table in &file.room {
+        let room = table.get_ref();
+        let place = plan.source.place(table.span());
+        let what = format!("room `{}`", room.name.get_ref());
+        let corners = shape(plan, &what, place, &room.rect, &room.outline)?;
+        let counterclockwise = check(&plan.grid, &what, place, &corners)?;
+        let heights = [
+            room.floor.map_or(plan.default_heights[0], |z| z.0),
+            room.ceiling.map_or(plan.default_heights[1], |z| z.0),
+        ];
+        check_heights(&what, place, heights)?;
+        let defaults = &file.defaults.materials;
+        let walls = room.materials.walls.as_ref().or(defaults.walls.as_ref());
+        let material = find_material(plan, walls)?;
+        let sector = SectorId(plan.sectors.len() as u32);
+        let floor = room.materials.floor.as_ref().or(defaults.floor.as_ref());
+        let ceiling = (room.materials.ceiling.as_ref()).or(defaults.ceiling.as_ref());
+        let record = Sector {
+            name: Some(room.name.get_ref().clone()),
+            floor: Height::fixed(heights[0]),
+            ceiling: Height::fixed(heights[1]),
+            light: None,
+            floor_material: surface_name(plan, floor)?,
+            ceiling_material: surface_name(plan, ceiling)?,
+            place,
+        };
+        plan.sectors.push(record);
+        let points: Vec<DVec2> = corners.iter().map(|c| c.at).collect();
+        let room_index = plan.rooms.len();
+        plan.edges.extend(ring(&points).map(|(from, to)| Edge {
+            from,
+            to,
+            room: Some(room_index),
+        }));
+        plan.rooms.push(RoomShape {
+            corners: points,
+            counterclockwise,
+            floor: heights[0],
+            ceiling: heights[1],
+        });
+        let area = Area {
+            sector: Some(sector),
+            zone: false,
+            kind: WallKind::Outline,
+            material,
+            counterclockwise,
+        };
+        add_area(plan, &corners, area);
+    }
+    Ok(())
+}
+
+fn add_zones(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
+    for (i, table) in file.zone.iter().enumerate() {
+        let zone = table.get_ref();
+        let place = plan.source.place(table.span());
+        let what = match &zone.name {
+            Some(name) => format!("zone `{name}`"),
+            None => format!("zone {}", i + 1),
+        };
+        let corners = shape(plan, &what, place, &zone.rect, &zone.outline)?;
+        let counterclockwise = check(&plan.grid, &what, place, &corners)?;
+        let points: Vec<DVec2> = corners.iter().map(|c| c.at).collect();
+        let inside = inner_point(&points);
+        let room = plan
+            .rooms
+            .iter()
+            .rposition(|r| contains(&r.corners, inside));
+        if room.is_none() && !plan.rooms.is_empty() {
+            return Err(TomlError::ZoneOutsideRooms { place, what });
+        }
+        let around = room.map_or(plan.default_heights, |r| {
+            [plan.rooms[r].floor, plan.rooms[r].ceiling]
+        });
+        let heights = [
+            zone.floor.map_or(around[0], |z| z.0),
+            zone.ceiling.map_or(around[1], |z| z.0),
+        ];
+        check_heights(&what, place, heights)?;
+        let surface = |own: &Option<Name>, pick: fn(&Sector) -> &Option<String>| match own {
+            Some(_) => surface_name(plan, own.as_ref()),
+            None => Ok(room.and_then(|r| pick(&plan.sectors[r]).clone())),
+        };
+        let record = Sector {
+            name: zone.name.clone(),
+            floor: Height::fixed(heights[0]),
+            ceiling: Height::fixed(heights[1]),
+            light: None,
+            floor_material: surface(&zone.materials.floor, |s| &s.floor_material)?,
+            ceiling_material: surface(&zone.materials.ceiling, |s| &s.ceiling_material)?,
+            place,
+        };
+        let area = Area {
+            sector: Some(SectorId(plan.sectors.len() as u32)),
+            zone: true,
+            kind: WallKind::Edge { shut: false },
+            material: None,
+            counterclockwise,
+        };
+        plan.sectors.push(record);
+        add_area(plan, &corners, area);
+    }
+    Ok(())
+}
+
+fn add_pillars(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
+    for (i, table) in file.pillar.iter().enumerate() {
+        let pillar = table.get_ref();
+        let place = plan.source.place(table.span());
+        let what = match &pillar.name {
+            Some(name) => format!("pillar `{name}`"),
+            None => format!("pillar {}", i + 1),
+        };
+        let material = (pillar.material.as_ref()).or(file.defaults.materials.walls.as_ref());
+        let material = find_material(plan, material)?;
+        let round = round_pillars(plan.source, table)?;
+        let rings = if round.is_empty() {
+            vec![shape(plan, &what, place, &pillar.rect, &pillar.outline)?]
+        } else {
+            round
+        };
+        for corners in rings {
+            let counterclockwise = check(&plan.grid, &what, place, &corners)?;
+            let area = Area {
+                sector: None,
+                zone: false,
+                kind: WallKind::Solid,
+                material,
+                counterclockwise,
+            };
+            add_area(plan, &corners, area);
+        }
+    }
+    Ok(())
+}
+
+/// The corners of the round pillars of a table; none where its pillar is not round.
+fn round_pillars(
+    source: &SourceText,
+    table: &Spanned<Pillar>,
+) -> Result<Vec<Vec<RawPoint>>, TomlError> {
+    const USUAL_SIDES: u32 = 16;
+    const MOST_SIDES: u32 = 1000;
+    let pillar = table.get_ref();
+    let place = source.place(table.span());
+    let given = [
+        pillar.center.is_some(),
+        pillar.centers.is_some(),
+        pillar.rect.is_some(),
+        pillar.outline.is_some(),
+    ];
+    let round = pillar.center.is_some() || pillar.centers.is_some();
+    if given.iter().filter(|g| **g).count() != 1 || round != pillar.radius.is_some() {
+        return Err(TomlError::Keys {
+            place,
+            what: "a pillar".into(),
+            needed: "either `center` (or `centers`) and `radius`, or `rect`, or `outline`".into(),
+        });
+    }
+    if !round && let Some(sides) = &pillar.sides {
+        return Err(TomlError::Misplaced {
+            place: source.place(sides.span()),
+            what: "a pillar with corners of its own",
+            key: "sides",
+        });
+    }
+    let Some(radius) = pillar.radius else {
+        return Ok(Vec::new());
+    };
+    let sides = pillar.sides.as_ref().map_or(USUAL_SIDES, |s| *s.get_ref());
+    if let Some(given) = &pillar.sides
+        && !(3..=MOST_SIDES).contains(&sides)
+    {
+        return Err(TomlError::Parse {
+            place: source.place(given.span()),
+            message: format!("a pillar has 3 to {MOST_SIDES} sides, not {sides}"),
+        });
+    }
+    let single = pillar.center.iter();
+    let several = pillar.centers.iter().flat_map(|c| c.get_ref());
+    let turn = pillar.rotation.map_or(0.0, |a| a.0.to_radians());
+    Ok(single
+        .chain(several)
+        .map(|center| {
+            let place = source.place(center.span());
+            let middle = vec2(*center.get_ref());
+            let corner = |i| {
+                let angle = turn + std::f64::consts::TAU * f64::from(i) / f64::from(sides);
+                RawPoint {
+                    at: middle + DVec2::from_angle(angle) * radius.0,
+                    written: false,
+                    place,
+                }
+            };
+            (0..sides).map(corner).collect()
+        })
+        .collect())
+}
+
+fn add_free_walls(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
+    for (i, table) in file.wall.iter().enumerate() {
+        let wall = table.get_ref();
+        let place = plan.source.place(table.span());
+        let what = match &wall.name {
+            Some(name) => format!("wall `{name}`"),
+            None => format!("wall {}", i + 1),
+        };
+        let points = written_points(plan.source, &wall.points);
+        let needed = if wall.closed { 3 } else { 2 };
+        if points.len() < needed {
+            return Err(TomlError::TooFewCorners {
+                place,
+                what,
+                count: points.len(),
+                needed,
+            });
+        }
+        for pair in points.windows(2) {
+            grid_points(&plan.grid, &what, pair)?;
+        }
+        if wall.closed {
+            let last = points[points.len() - 1];
+            grid_points(&plan.grid, &what, &[points[0], last])?;
+        }
+        let material = wall
+            .material
+            .as_ref()
+            .or(file.defaults.materials.walls.as_ref());
+        let material = find_material(plan, material)?;
+        let n = points.len();
+        for i in 0..if wall.closed { n } else { n - 1 } {
+            let (from, to) = (points[i], points[(i + 1) % n]);
+            plan.edges.push(Edge {
+                from: from.at,
+                to: to.at,
+                room: None,
+            });
+            plan.walls.push(DraftWall {
+                from: from.at,
+                to: to.at,
+                written: [true, true],
+                kind: WallKind::Outline,
+                left: None,
+                right: None,
+                outline: None,
+                material,
+                place: from.place,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What the edges of one outline have in common.
+struct Area {
+    sector: Option<SectorId>,
+    zone: bool,
+    kind: WallKind,
+    material: Option<MaterialId>,
+    counterclockwise: bool,
+}
+
+fn add_area(plan: &mut Plan, corners: &[RawPoint], area: Area) {
+    let outline = OutlineId(plan.outlines.len() as u32);
+    plan.outlines.push(Outline {
+        sector: area.sector,
+        zone: area.zone,
+    });
+    let (left, right) = if area.counterclockwise {
+        (area.sector, None)
+    } else {
+        (None, area.sector)
+    };
+    for (i, from) in corners.iter().enumerate() {
+        let to = &corners[(i + 1) % corners.len()];
+        plan.walls.push(DraftWall {
+            from: from.at,
+            to: to.at,
+            written: [from.written, to.written],
+            kind: area.kind.clone(),
+            left,
+            right,
+            outline: Some(outline),
+            material: area.material,
+            place: from.place,
+        });
+    }
+}
+
+/// The corners of an area that is given as either `rect` or `outline`.
+fn shape(
+    plan: &Plan,
+    what: &str,
+    place: Place,
+    rect: &Option<Spanned<[Finite; 4]>>,
+    outline: &Option<Corners>,
+) -> Result<Vec<RawPoint>, TomlError> {
+    match (rect, outline) {
+        (Some(rect), None) => Ok(rect_corners(plan.source, rect)),
+        (None, Some(outline)) => Ok(written_points(plan.source, outline)),
+        _ => Err(TomlError::Keys {
+            place,
+            what: what.into(),
+            needed: "either `rect = [x0, y0, x1, y1]` or `outline = [[x, y], …]`".into(),
+        }),
+    }
+}
+
+fn rect_corners(source: &SourceText, rect: &Spanned<[Finite; 4]>) -> Vec<RawPoint> {
+    let [x0, y0, x1, y1] = rect.get_ref().map(|x| x.0);
+    let place = source.place(rect.span());
+    [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+        .map(|p| RawPoint {
+            at: p.into(),
+            written: true,
+            place,
+        })
+        .to_vec()
+}
+
+fn written_points(source: &SourceText, points: &Corners) -> Vec<RawPoint> {
+    let point = |p: &Spanned<Point2>| RawPoint {
+        at: vec2(*p.get_ref()),
+        written: true,
+        place: source.place(p.span()),
+    };
+    points.get_ref().iter().map(point).collect()
+}
+
+/// The point's two numbers.
+pub(super) fn vec2([x, y]: Point2) -> DVec2 {
+    DVec2::new(x.0, y.0)
+}
+
+/// The edges of a polygon, from each corner to the next.
+pub(super) fn ring(corners: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().copied().zip(next.copied())
+}
+
+fn check_heights(what: &str, place: Place, [floor, ceiling]: [f64; 2]) -> Result<(), TomlError> {
+    if ceiling > floor {
+        return Ok(());
+    }
+    Err(TomlError::CeilingNotAboveFloor {
+        place,
+        what: what.into(),
+        floor,
+        ceiling,
+    })
+}
+
+/// The material of a name, where one is given.
+pub(super) fn find_material(
+    plan: &Plan,
+    name: Option<&Name>,
+) -> Result<Option<MaterialId>, TomlError> {
+    let index = name.map(|n| plan.materials.find(plan.source, n));
+    Ok(index.transpose()?.map(|i| MaterialId(i as u32)))
+}
+
+/// The name itself, once it is known that such a material exists.
+fn surface_name(plan: &Plan, name: Option<&Name>) -> Result<Option<String>, TomlError> {
+    find_material(plan, name)?;
+    Ok(name.map(|n| n.get_ref().clone()))
+}
+
+impl Plan<'_> {
+    /// Line and column of a span.
+    pub(super) fn place(&self, span: Range<usize>) -> Place {
+        self.source.place(span)
+    }
+}
