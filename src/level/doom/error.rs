@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::udmf::TextError;
+use super::text::TextError;
 use crate::level::wad::WadError;
 
 /// A map that cannot be read, with its file and name.

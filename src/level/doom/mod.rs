@@ -3,7 +3,7 @@
 //! In: a [`Wad`] and the name of a map in it. Out: [`DoomMap`], that is, a draft and what else a
 //! later stage wants to know (textures, things). One file a step:
 //!
-//! - [`raw`] is the map as its lumps say it; `binary` and `udmf` read it.
+//! - `raw` is the map as its lumps say it; `binary` and `udmf` (with `text`, its grammar) read it.
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
 //!   move, and how far.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
@@ -22,6 +22,7 @@ mod movers;
 mod raw;
 mod specials;
 mod surfaces;
+mod text;
 mod udmf;
 
 #[cfg(test)]
@@ -35,7 +36,7 @@ use super::wad::Wad;
 pub use error::{DoomError, Problem};
 pub use raw::Thing;
 pub use surfaces::{LineSurfaces, SideSurface};
-pub use udmf::{TextError, TextProblem};
+pub use text::{Spot, TextError, TextProblem};
 
 /// A map, with what a draft has no place for.
 #[derive(Clone, Debug)]

@@ -106,3 +106,11 @@ pub struct Thing {
     /// Arguments of the special.
     pub args: [i32; 5],
 }
+
+impl RawMap {
+    /// Number of the sector that a linedef's side belongs to; `None` where either does not exist.
+    pub fn sector_at(&self, side: Option<u32>) -> Option<usize> {
+        let sector = self.sides.get(side? as usize)?.sector as usize;
+        (sector < self.sectors.len()).then_some(sector)
+    }
+}
