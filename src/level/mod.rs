@@ -3,12 +3,14 @@
 //! A reader turns a file into a [`draft::Draft`] in the file's own numbers; [`snap::snap`] puts that
 //! on the integer grid and makes it a [`Level`]. After that nothing is repaired any more.
 
+pub mod doom;
 pub mod draft;
 pub mod finding;
 mod model;
 pub mod scene;
 pub mod snap;
 pub mod toml;
+pub mod wad;
 
 pub use finding::{Finding, Place, Severity};
 pub use model::*;

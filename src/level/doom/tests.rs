@@ -1,0 +1,3 @@
+//! Maps built by hand, and all maps of Freedoom where that is installed.
+
+mod freedoom;
