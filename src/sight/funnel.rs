@@ -34,6 +34,19 @@ impl Through {
     }
 }
 
+impl Through {
+    /// Whether all stabbing lines near this extreme one leave `p` on the wanted side: it is strictly
+    /// on that side, or on the line but before its second end. (Up to there the lines have not
+    /// crossed the extreme one for good; the right end of a portal in line with it lies there.)
+    #[inline]
+    fn passes(&self, vertices: &Vertices, p: VertexId, wanted: Side) -> bool {
+        match self.side(vertices, p) {
+            Side::On => p != self.to && vertices.same_direction(self.to, self.from, p),
+            side => side == wanted,
+        }
+    }
+}
+
 /// One side's ends that still matter, in the order of the chain. Bulges towards the lines; `start`
 /// is the point that an extreme line touches.
 #[derive(Clone, Debug, Default)]
@@ -147,8 +160,8 @@ impl Funnel {
     pub fn seen(&self, vertices: &Vertices, p: VertexId) -> Seen {
         match &self.lines {
             Some((ccw, cw)) => Seen {
-                inside_left: ccw.side(vertices, p) == Side::Right,
-                inside_right: cw.side(vertices, p) == Side::Left,
+                inside_left: ccw.passes(vertices, p, Side::Right),
+                inside_right: cw.passes(vertices, p, Side::Left),
             },
             None => Seen { inside_left: true, inside_right: true },
         }
