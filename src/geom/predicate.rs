@@ -53,6 +53,25 @@ pub fn orient(p: &Vertex, q: &Vertex, r: &Vertex) -> Side {
     if let (Some(p), Some(q), Some(r)) = (p.grid(), q.grid(), r.grid()) {
         return Side::of((q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x));
     }
+    orient_wide(p, q, r)
+}
+
+/// [`orient`] where the vertices' [`width`] is at most 126 bits.
+fn orient_narrow(p: &Vertex, q: &Vertex, r: &Vertex) -> Side {
+    let [(px, py, pw), (qx, qy, qw), (rx, ry, rw)] =
+        [p, q, r].map(|v| (v.x(), v.y(), i128::from(v.w())));
+    Side::of(px * (qy * rw - ry * qw) - py * (qx * rw - rx * qw) + pw * (qx * ry - rx * qy))
+}
+
+/// Bits that the determinant of any three of the vertices can take, sign included.
+fn width(vertices: &[Vertex]) -> u32 {
+    let bits = |n: u128| u128::BITS - n.leading_zeros();
+    let of = |f: fn(&Vertex) -> u128| bits(vertices.iter().map(f).max().unwrap_or(0));
+    // Six products of an x, a y and a w.
+    of(|v| v.x().unsigned_abs()) + of(|v| v.y().unsigned_abs()) + of(|v| v.w() as u128) + 4
+}
+
+fn orient_wide(p: &Vertex, q: &Vertex, r: &Vertex) -> Side {
     let wide = |v: &Vertex| (I256::from(v.x()), I256::from(v.y()), I256::from(v.w()));
     let ((px, py, pw), (qx, qy, qw), (rx, ry, rw)) = (wide(p), wide(q), wide(r));
     Side::of(px * (qy * rw - ry * qw) - py * (qx * rw - rx * qw) + pw * (qx * ry - rx * qy))
@@ -69,6 +88,8 @@ pub struct Vertices {
     approx: Vec<DVec2>,
     /// Whether every vertex is a grid point: then the f64 answer is exact.
     all_grid: bool,
+    /// Whether i128 holds every determinant of three of the vertices.
+    narrow: bool,
     /// A cross product of the f64 copies larger than this has the true sign.
     bound: f64,
 }
@@ -89,7 +110,8 @@ impl Vertices {
             let m = approx.iter().fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
             m * m * 2f64.powi(-45)
         };
-        Self { exact, approx, all_grid, bound }
+        let narrow = width(&exact) <= 127;
+        Self { exact, approx, all_grid, narrow, bound }
     }
 
     /// Number of vertices.
@@ -151,7 +173,8 @@ impl Vertices {
     #[cold]
     #[inline(never)]
     fn orient_exact(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
-        orient(self.exact(p), self.exact(q), self.exact(r))
+        let [p, q, r] = [p, q, r].map(|v| self.exact(v));
+        if self.narrow { orient_narrow(p, q, r) } else { orient(p, q, r) }
     }
 
     /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same

@@ -88,7 +88,7 @@ impl<'a> Walk<'a> {
                     continue;
                 }
                 let (origin, end) = (graph.edge(edge).origin, graph.end(edge));
-                let to = self.funnel.seen(&graph.vertices, end);
+                let to = self.funnel.next_seen(&graph.vertices, frame.from, end);
                 let from = std::mem::replace(&mut frame.from, to);
                 frame.next = graph.next(edge);
                 if !from.inside_left {
@@ -109,9 +109,7 @@ impl<'a> Walk<'a> {
 
     fn enter(&mut self, entry: EdgeId, undo: Option<Undo>) {
         let next = self.graph.next(entry);
-        // The right end of the portal just passed is right of no stabbing line, or on the
-        // clockwise-most one.
-        let from = Seen { inside_left: true, inside_right: self.frames.is_empty() };
+        let from = self.funnel.right_end_seen();
         self.frames.push(Frame { entry, next, from, undo });
     }
 }

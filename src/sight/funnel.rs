@@ -52,16 +52,18 @@ impl Through {
 #[derive(Clone, Debug, Default)]
 struct Hull {
     points: Vec<VertexId>,
-    start: usize,
-    end: usize,
+    start: u32,
+    end: u32,
 }
 
 /// How to restore a hull after one push.
 #[derive(Clone, Copy, Debug)]
 struct HullUndo {
-    start: usize,
-    end: usize,
-    overwritten: Option<(usize, VertexId)>,
+    start: u32,
+    end: u32,
+    /// Where the point was put, and what stood there; `u32::MAX` if nothing did.
+    position: u32,
+    overwritten: VertexId,
 }
 
 impl Hull {
@@ -72,38 +74,45 @@ impl Hull {
     }
 
     fn state(&self) -> HullUndo {
-        HullUndo { start: self.start, end: self.end, overwritten: None }
+        HullUndo {
+            start: self.start,
+            end: self.end,
+            position: u32::MAX,
+            overwritten: VertexId(0),
+        }
     }
 
     fn first(&self) -> VertexId {
-        self.points[self.start]
+        self.points[self.start as usize]
     }
 
     /// Adds a point, dropping those before it that no longer bulge: a chain of left ends turns left
     /// at each of its points, one of right ends right.
     fn push(&mut self, vertices: &Vertices, p: VertexId, turn: Side, undo: &mut HullUndo) {
-        if self.points[self.end - 1] == p {
+        let mut end = self.end as usize;
+        if self.points[end - 1] == p {
             return;
         }
-        while self.end - self.start >= 2
-            && vertices.orient(self.points[self.end - 2], self.points[self.end - 1], p) != turn
+        while end - self.start as usize >= 2
+            && vertices.orient(self.points[end - 2], self.points[end - 1], p) != turn
         {
-            self.end -= 1;
+            end -= 1;
         }
-        if self.end == self.points.len() {
+        if end == self.points.len() {
             self.points.push(p);
         } else {
-            undo.overwritten = Some((self.end, self.points[self.end]));
-            self.points[self.end] = p;
+            (undo.position, undo.overwritten) = (end as u32, self.points[end]);
+            self.points[end] = p;
         }
-        self.end += 1;
+        self.end = end as u32 + 1;
     }
 
     /// Moves `start` to the point in which the line from the hull to `p` touches it; `beyond` is the
     /// side of that line on which no point of the hull may lie.
     fn touch(&mut self, vertices: &Vertices, p: VertexId, beyond: Side) {
         while self.start + 1 < self.end {
-            let (a, b) = (self.points[self.start], self.points[self.start + 1]);
+            let start = self.start as usize;
+            let (a, b) = (self.points[start], self.points[start + 1]);
             let side = vertices.orient(a, p, b);
             if side != beyond && side != Side::On {
                 break;
@@ -114,8 +123,8 @@ impl Hull {
 
     fn restore(&mut self, undo: &HullUndo) {
         (self.start, self.end) = (undo.start, undo.end);
-        if let Some((i, p)) = undo.overwritten {
-            self.points[i] = p;
+        if undo.position != u32::MAX {
+            self.points[undo.position as usize] = undo.overwritten;
         }
     }
 }
@@ -125,7 +134,6 @@ impl Hull {
 pub struct Undo {
     left: HullUndo,
     right: HullUndo,
-    lines: Option<(Through, Through)>,
 }
 
 /// A vertex as the two extreme lines see it.
@@ -142,8 +150,13 @@ pub struct Seen {
 pub struct Funnel {
     left: Hull,
     right: Hull,
-    /// The counterclockwise-most and the clockwise-most stabbing line, from two portals on.
-    lines: Option<(Through, Through)>,
+    /// The counterclockwise-most and the clockwise-most stabbing line of the chain's first two
+    /// portals, of its first three, and so on.
+    lines: Vec<(Through, Through)>,
+}
+
+impl Seen {
+    const WITHIN: Seen = Seen { inside_left: true, inside_right: true };
 }
 
 impl Funnel {
@@ -151,20 +164,26 @@ impl Funnel {
     pub fn begin(&mut self, left: VertexId, right: VertexId) {
         self.left.reset(left);
         self.right.reset(right);
-        self.lines = None;
+        self.lines.clear();
     }
 
-    /// A vertex beyond the last portal, as the extreme lines see it. With one portal in the chain,
-    /// what counts is whether it lies strictly beyond the portal's line.
+    /// The next vertex counterclockwise of the cell beyond the last portal, as the extreme lines see
+    /// it. Starting in the portal's right end, the vertices come first right of both lines, then
+    /// between them, then left of both; so the one before tells which line to ask. With one portal
+    /// in the chain, there are no lines yet, and all is within.
     #[inline]
-    pub fn seen(&self, vertices: &Vertices, p: VertexId) -> Seen {
-        match &self.lines {
-            Some((ccw, cw)) => Seen {
-                inside_left: ccw.passes(vertices, p, Side::Right),
-                inside_right: cw.passes(vertices, p, Side::Left),
-            },
-            None => Seen { inside_left: true, inside_right: true },
+    pub fn next_seen(&self, vertices: &Vertices, before: Seen, p: VertexId) -> Seen {
+        let Some((ccw, cw)) = self.lines.last() else { return Seen::WITHIN };
+        if !before.inside_right && !cw.passes(vertices, p, Side::Left) {
+            return before;
         }
+        Seen { inside_left: ccw.passes(vertices, p, Side::Right), inside_right: true }
+    }
+
+    /// The right end of the last portal, as the extreme lines see it.
+    pub fn right_end_seen(&self) -> Seen {
+        // The clockwise-most line touches it, or passes left of it.
+        Seen { inside_left: true, inside_right: self.lines.is_empty() }
     }
 
     /// Adds a portal in the same cell as the last one, its ends with how they are seen; `None` if no
@@ -180,9 +199,8 @@ impl Funnel {
         if !left_seen.inside_right || !right_seen.inside_left {
             return None;
         }
-        let mut undo =
-            Undo { left: self.left.state(), right: self.right.state(), lines: self.lines };
-        let Some((ccw, cw)) = self.lines else {
+        let mut undo = Undo { left: self.left.state(), right: self.right.state() };
+        let Some(&(ccw, cw)) = self.lines.last() else {
             // Two portals of one convex cell: unless they lie in line, every pair of inner points
             // is a stabbing line.
             let (first_right, first_left) = (self.right.first(), self.left.first());
@@ -190,7 +208,7 @@ impl Funnel {
             if !beyond(left) && !beyond(right) {
                 return None;
             }
-            self.lines = Some((
+            self.lines.push((
                 Through::new(vertices, first_right, left),
                 Through::new(vertices, first_left, right),
             ));
@@ -213,7 +231,7 @@ impl Funnel {
         if right_seen.inside_right {
             self.right.push(vertices, right, Side::Right, &mut undo.right);
         }
-        self.lines = Some((new_ccw, new_cw));
+        self.lines.push((new_ccw, new_cw));
         Some(undo)
     }
 
@@ -221,6 +239,6 @@ impl Funnel {
     pub fn undo(&mut self, undo: &Undo) {
         self.left.restore(&undo.left);
         self.right.restore(&undo.right);
-        self.lines = undo.lines;
+        self.lines.pop();
     }
 }
