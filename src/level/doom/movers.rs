@@ -56,6 +56,8 @@ struct Movers<'a> {
     floors: Vec<Motion>,
     ceilings: Vec<Motion>,
     stairs: Vec<Flight>,
+    /// Sectors with a slope.
+    sloped: BTreeSet<usize>,
 }
 
 /// Stairs that begin in a sector.
@@ -101,6 +103,7 @@ impl<'a> Movers<'a> {
             floors: vec![Motion::default(); n],
             ceilings: vec![Motion::default(); n],
             stairs: Vec::new(),
+            sloped: BTreeSet::new(),
         }
     }
 
@@ -202,24 +205,24 @@ impl<'a> Movers<'a> {
                 tally.add(Defect::Scripted, place);
                 self.apply(number, specials::ANYWHERE, false, None);
             }
-            if sector.sloped {
+            if sector.sloped || self.sloped.contains(&number) {
                 tally.add(Defect::Sloped, place);
                 self.apply(number, specials::ANYWHERE, false, None);
             }
         }
     }
 
-    /// Lines that slope the sectors beside them: `Plane_Align` and `Plane_Copy`.
+    /// Lines that slope the sectors beside them: `Plane_Copy` and `Plane_Align`, the latter in
+    /// Doom's numbers 340 to 347 as well.
     fn slope(&mut self, line: &RawLine) {
-        const PLANE_COPY: u32 = 118;
-        const PLANE_ALIGN: u32 = 181;
-        let slopes = matches!(line.special, PLANE_ALIGN | PLANE_COPY);
-        if self.raw.specials == Specials::Action && slopes {
-            for side in [line.front, line.back] {
-                if let Some(sector) = self.raw.sector_at(side) {
-                    self.apply(sector, specials::ANYWHERE, false, None);
-                }
-            }
+        let slopes = match self.raw.specials {
+            Specials::Doom => matches!(line.special, 340..=347),
+            Specials::Action => matches!(line.special, 118 | 181),
+        };
+        if slopes {
+            let sides = [line.front, line.back];
+            let sectors = sides.into_iter().filter_map(|s| self.raw.sector_at(s));
+            self.sloped.extend(sectors);
         }
     }
 
