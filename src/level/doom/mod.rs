@@ -5,7 +5,7 @@
 //!
 //! - `raw` is the map as its lumps say it; `binary` and `udmf` (with `text`, its grammar) read it.
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
-//!   move, and how far.
+//!   move (`stairs` those of stairs), `reach` how far these go.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
 //!
 //! # What blocks sight
@@ -20,7 +20,9 @@ mod defect;
 mod error;
 mod movers;
 mod raw;
+mod reach;
 mod specials;
+mod stairs;
 mod surfaces;
 mod text;
 mod udmf;

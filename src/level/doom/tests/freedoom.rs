@@ -30,6 +30,7 @@ fn every_map_of_freedoom_is_read() {
                 print(&map);
             }
         }
+        check_export(&wad, &maps);
     }
 }
 
@@ -76,6 +77,25 @@ fn check(wad: &Wad, lumps: &WadMap, map: &DoomMap) {
         repaired.map(|f| f.places.len()).sum::<usize>() < 10,
         "{name}"
     );
+}
+
+/// New REJECT lumps, of the old size for one map and of another for the next, leave all else alone.
+fn check_export(wad: &Wad, maps: &[WadMap]) {
+    let size = wad.lump_in_map(&maps[0], "REJECT").unwrap().len();
+    let rejects = [
+        (maps[0].name.clone(), vec![0x55; size]),
+        (maps[1].name.clone(), vec![0xAA; 7]),
+    ];
+    let copy = Wad::parse(wad.with_rejects(&rejects).unwrap()).unwrap();
+    assert_eq!(copy.lumps().len(), wad.lumps().len());
+    let replaced = [0, 1].map(|i| wad.find_in_map(&maps[i], "REJECT").unwrap());
+    for (i, (old, new)) in wad.lumps().iter().zip(copy.lumps()).enumerate() {
+        assert_eq!(old.name, new.name);
+        match replaced.iter().position(|&r| r == i) {
+            Some(which) => assert_eq!(copy.lump(i), rejects[which].1),
+            None => assert_eq!(copy.lump(i), wad.lump(i)),
+        }
+    }
 }
 
 fn print(map: &DoomMap) {

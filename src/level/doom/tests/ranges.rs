@@ -1,8 +1,8 @@
 //! How far sectors move.
 
 use super::build::{EAST_DOOR, WEST_DOOR, add_line, read, set_special, three_rooms};
-use crate::level::doom::movers::FAR;
 use crate::level::doom::raw::{RawMap, RawSector, Specials, Thing};
+use crate::level::doom::reach::FAR;
 use crate::level::doom::specials::{Act, Follow, Goal, Meaning, Target, doom};
 use crate::level::{Height, Sector, WallKind};
 
@@ -128,6 +128,12 @@ fn stairs_rise_step_by_step() {
     let highs: Vec<f64> = sectors.iter().map(|s| s.floor.high).collect();
     assert_eq!(highs, [8.0, 16.0, 24.0]);
 
+    // A second switch can raise the same stairs once more.
+    set_special(&mut map, 0, 7, 10);
+    let highs: Vec<f64> = self::sectors(&map).iter().map(|s| s.floor.high).collect();
+    assert_eq!(highs, [16.0, 24.0, 32.0]);
+    map.lines[0].special = 0;
+
     map.sectors[2].floor_flat = "OTHER".to_string();
     let highs: Vec<f64> = self::sectors(&map).iter().map(|s| s.floor.high).collect();
     assert_eq!(highs, [8.0, 16.0, 0.0]);
@@ -225,10 +231,7 @@ fn generalized_specials_are_decoded() {
 fn every_number_has_a_meaning_and_gaps_are_told() {
     for number in 0..=0xFFFF {
         let unknown = matches!(doom(number), Meaning::Unknown);
-        let expected = match number {
-            0..=272 | 0x2F80..=0x7FFF | 340..=347 | 1024..=1026 => false,
-            _ => true,
-        };
+        let expected = !matches!(number, 0..=272 | 0x2F80..=0x7FFF | 340..=347 | 1024..=1026);
         assert_eq!(unknown, expected, "{number}");
     }
 }
