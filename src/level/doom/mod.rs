@@ -13,6 +13,11 @@
 //! a linedef with two sidedefs but without the flag is a wall. Floors and ceilings are left to the
 //! stages that know heights; but a line at a sector that is closed at rest and can open is marked
 //! as shut.
+//!
+//! # What is not read
+//! Compiled scripts (any tagged sector may move, then), slopes made by things, floors inside
+//! sectors ("3D floors"), portals between lines, and the few specials in which Heretic and Strife
+//! differ from Doom.
 
 mod assemble;
 mod binary;

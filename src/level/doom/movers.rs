@@ -166,24 +166,30 @@ impl<'a> Movers<'a> {
                 tally.add(Defect::Scripted, place);
                 self.apply(number, specials::ANYWHERE, false, None);
             }
+            if sector.sloped {
+                self.apply(number, specials::ANYWHERE, false, None);
+            }
             if sector.sloped || self.sloped.contains(&number) {
                 tally.add(Defect::Sloped, place);
-                self.apply(number, specials::ANYWHERE, false, None);
             }
         }
     }
 
-    /// Lines that slope the sectors beside them: `Plane_Copy` and `Plane_Align`, the latter in
-    /// Doom's numbers 340 to 347 as well.
+    /// Lines that slope the sectors beside them: `Plane_Align` (in Doom's numbers 340 to 347 too),
+    /// whose plane runs from the neighbour's height at the line to the sector's own at its far end,
+    /// and `Plane_Copy`, whose plane may be any.
     fn slope(&mut self, line: &RawLine) {
-        let slopes = match self.raw.specials {
-            Specials::Doom => matches!(line.special, 340..=347),
-            Specials::Action => matches!(line.special, 118 | 181),
+        const ALIGNED: &[Act] = &[Act::Floor(Goal::AnyFloor), Act::Ceiling(Goal::Nearby)];
+        let acts = match (self.raw.specials, line.special) {
+            (Specials::Doom, 340..=347) | (Specials::Action, 181) => ALIGNED,
+            (Specials::Action, 118) => specials::ANYWHERE,
+            _ => return,
         };
-        if slopes {
-            let sides = [line.front, line.back];
-            let sectors = sides.into_iter().filter_map(|s| self.raw.sector_at(s));
-            self.sloped.extend(sectors);
+        for side in [line.front, line.back] {
+            if let Some(sector) = self.raw.sector_at(side) {
+                self.sloped.insert(sector);
+                self.apply(sector, acts, false, None);
+            }
         }
     }
 

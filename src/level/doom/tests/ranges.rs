@@ -275,6 +275,16 @@ fn things_and_scripts_move_sectors_too() {
 }
 
 #[test]
+fn a_slope_reaches_to_the_neighbours_height() {
+    let mut map = three_rooms();
+    map.sectors[1].floor = 24.0;
+    set_special(&mut map, WEST_DOOR, 340, 0);
+    let read = read(&map).unwrap();
+    assert_eq!(read.draft.sectors[0].floor, range(0.0, 0.0, 24.0));
+    assert_eq!(read.draft.findings[0].code, "sloped-sector");
+}
+
+#[test]
 fn a_long_row_of_doors_is_followed_to_its_end() {
     // Doors side by side: each opens to the next one's ceiling, and only the last has an open room.
     let mut map = RawMap::default();
