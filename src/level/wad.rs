@@ -316,10 +316,8 @@ impl Wad {
     pub fn with_edits(&self, edits: &[LumpEdit]) -> Result<Vec<u8>, WadError> {
         let directory_end = self.directory + self.lumps.len() * ENTRY;
         let mut out = self.bytes.clone();
-        let mut entries: Vec<[u8; ENTRY]> = self.bytes[self.directory..directory_end]
-            .chunks_exact(ENTRY)
-            .map(|e| e.try_into().expect("chunks of ENTRY bytes"))
-            .collect();
+        let (entries, _) = self.bytes[self.directory..directory_end].as_chunks::<ENTRY>();
+        let mut entries = entries.to_vec();
 
         let (in_place, moved): (Vec<&LumpEdit>, Vec<&LumpEdit>) = edits.iter().partition(
             |e| matches!(e, LumpEdit::Replace { lump, bytes } if self.fits(*lump, bytes)),

@@ -135,7 +135,7 @@ fn describe(defect: Defect) -> (Severity, &'static str, &'static str) {
         Defect::Sloped => (
             Note,
             "sloped-sector",
-            "Floors or ceilings slope; they count as reaching any height.",
+            "Floors or ceilings slope; they count as reaching every height that the slope may have.",
         ),
         Defect::Polyobject => (
             Note,

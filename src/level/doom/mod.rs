@@ -5,7 +5,7 @@
 //!
 //! - `raw` is the map as its lumps say it; `binary` and `udmf` (with `text`, its grammar) read it.
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
-//!   move, and how far.
+//!   move (`stairs` those of stairs), `reach` how far these go.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
 //!
 //! # What blocks sight
@@ -13,6 +13,11 @@
 //! a linedef with two sidedefs but without the flag is a wall. Floors and ceilings are left to the
 //! stages that know heights; but a line at a sector that is closed at rest and can open is marked
 //! as shut.
+//!
+//! # What is not read
+//! Compiled scripts (any tagged sector may move, then), slopes made by things, floors inside
+//! sectors ("3D floors"), portals between lines, and the few specials in which Heretic and Strife
+//! differ from Doom.
 
 mod assemble;
 mod binary;
@@ -20,7 +25,9 @@ mod defect;
 mod error;
 mod movers;
 mod raw;
+mod reach;
 mod specials;
+mod stairs;
 mod surfaces;
 mod text;
 mod udmf;

@@ -1,69 +1,30 @@
-//! Sectors that move, and how far: the range of every floor and ceiling.
+//! Sectors that move: which specials, tags, timers and scripts move which floors and ceilings.
 //!
-//! In: a map's lists. Out: for each sector where its floor and ceiling stand at rest, and bounds
-//! that neither ever leaves, whatever is set off in whatever order. The bounds are those of
-//! interval arithmetic: a door opens to its lowest neighbouring ceiling, so to somewhere between
-//! the lowest and the highest that this can be, while the neighbours move themselves. Bounds grow
-//! until nothing changes; where they would grow for ever (lifts that push each other up), the
-//! format's own limit ends it.
+//! In: a map's lists. Out: the range of every sector, bounds that neither floor nor ceiling ever
+//! leaves, whatever is set off in whatever order. This file collects the motions; `stairs` follows
+//! flights of stairs; `reach` turns the motions into ranges.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::defect::{Defect, Tally};
 use super::raw::{RawLine, RawMap, Specials};
-use super::specials::{self, Act, Follow, Goal, Meaning, Target};
-use crate::level::{Height, Place};
-
-/// No height of the game lies beyond: its numbers have 16 bits before the point.
-pub const FAR: f64 = 32768.0;
-
-/// Rounds of growing after which what still grows goes to [`FAR`].
-const PATIENT_ROUNDS: usize = 200;
+use super::reach::{self, Motion, Motions, Range};
+use super::specials::{self, Act, Goal, Meaning, Target};
+use super::stairs::{self, Flight};
+use crate::level::Place;
 
 /// Tags that a boss's death sets off.
 const BOSS_TAGS: [i32; 2] = [666, 667];
 
-/// Where a sector's floor and ceiling can be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// The floor.
-    pub floor: Height,
-    /// The ceiling.
-    pub ceiling: Height,
-}
-
-/// What is known to move a floor or ceiling.
-#[derive(Clone, Debug, Default)]
-struct Motion {
-    goals: Vec<Goal>,
-    /// Sums of the distances that it can go down and up by itself.
-    down: f64,
-    up: f64,
-    /// It also goes wherever the floor below goes (an elevator's ceiling).
-    carried: bool,
-}
-
-/// Lowest and highest.
-type Interval = [f64; 2];
-
-/// The neighbourhood of the sectors, and what moves them.
+/// A map and what is known so far of its motions.
 struct Movers<'a> {
     raw: &'a RawMap,
-    /// Sectors beyond two-sided lines, by sector.
-    neighbours: Vec<BTreeSet<usize>>,
     /// Sectors by tag.
     tagged: BTreeMap<i32, Vec<usize>>,
-    floors: Vec<Motion>,
-    ceilings: Vec<Motion>,
+    motions: Motions,
     stairs: Vec<Flight>,
-}
-
-/// Stairs that begin in a sector.
-struct Flight {
-    first: usize,
-    step: f64,
-    follow: Follow,
-    repeats: bool,
+    /// Sectors with a slope.
+    sloped: BTreeSet<usize>,
 }
 
 /// The range of every sector, by number.
@@ -72,8 +33,8 @@ pub fn ranges(raw: &RawMap, tally: &mut Tally) -> Vec<Range> {
     movers.read_lines(tally);
     movers.read_things();
     movers.read_sectors(tally);
-    movers.build_stairs();
-    movers.grow()
+    stairs::build(raw, &movers.stairs, &mut movers.motions.floors);
+    reach::grow(raw, &movers.motions)
 }
 
 impl<'a> Movers<'a> {
@@ -96,11 +57,14 @@ impl<'a> Movers<'a> {
         }
         Movers {
             raw,
-            neighbours,
             tagged,
-            floors: vec![Motion::default(); n],
-            ceilings: vec![Motion::default(); n],
+            motions: Motions {
+                neighbours,
+                floors: vec![Motion::default(); n],
+                ceilings: vec![Motion::default(); n],
+            },
             stairs: Vec::new(),
+            sloped: BTreeSet::new(),
         }
     }
 
@@ -203,22 +167,28 @@ impl<'a> Movers<'a> {
                 self.apply(number, specials::ANYWHERE, false, None);
             }
             if sector.sloped {
-                tally.add(Defect::Sloped, place);
                 self.apply(number, specials::ANYWHERE, false, None);
+            }
+            if sector.sloped || self.sloped.contains(&number) {
+                tally.add(Defect::Sloped, place);
             }
         }
     }
 
-    /// Lines that slope the sectors beside them: `Plane_Align` and `Plane_Copy`.
+    /// Lines that slope the sectors beside them: `Plane_Align` (in Doom's numbers 340 to 347 too),
+    /// whose plane runs from the neighbour's height at the line to the sector's own at its far end,
+    /// and `Plane_Copy`, whose plane may be any.
     fn slope(&mut self, line: &RawLine) {
-        const PLANE_COPY: u32 = 118;
-        const PLANE_ALIGN: u32 = 181;
-        let slopes = matches!(line.special, PLANE_ALIGN | PLANE_COPY);
-        if self.raw.specials == Specials::Action && slopes {
-            for side in [line.front, line.back] {
-                if let Some(sector) = self.raw.sector_at(side) {
-                    self.apply(sector, specials::ANYWHERE, false, None);
-                }
+        const ALIGNED: &[Act] = &[Act::Floor(Goal::AnyFloor), Act::Ceiling(Goal::Nearby)];
+        let acts = match (self.raw.specials, line.special) {
+            (Specials::Doom, 340..=347) | (Specials::Action, 181) => ALIGNED,
+            (Specials::Action, 118) => specials::ANYWHERE,
+            _ => return,
+        };
+        for side in [line.front, line.back] {
+            if let Some(sector) = self.raw.sector_at(side) {
+                self.sloped.insert(sector);
+                self.apply(sector, acts, false, None);
             }
         }
     }
@@ -237,13 +207,13 @@ impl<'a> Movers<'a> {
         };
         for &act in acts {
             match act {
-                Act::Floor(goal) => self.floors[sector].goals.push(resolve(goal)),
-                Act::Ceiling(goal) => self.ceilings[sector].goals.push(resolve(goal)),
-                Act::FloorBy(by) => self.floors[sector].go_by(by, repeats),
-                Act::CeilingBy(by) => self.ceilings[sector].go_by(by, repeats),
+                Act::Floor(goal) => self.motions.floors[sector].go_to(resolve(goal)),
+                Act::Ceiling(goal) => self.motions.ceilings[sector].go_to(resolve(goal)),
+                Act::FloorBy(by) => self.motions.floors[sector].go_by(by, repeats),
+                Act::CeilingBy(by) => self.motions.ceilings[sector].go_by(by, repeats),
                 Act::Elevator(goal) => {
-                    self.floors[sector].goals.push(resolve(goal));
-                    self.ceilings[sector].carried = true;
+                    self.motions.floors[sector].go_to(resolve(goal));
+                    self.motions.ceilings[sector].carried = true;
                 }
                 Act::Stairs { step, follow } => self.stairs.push(Flight {
                     first: sector,
@@ -253,285 +223,12 @@ impl<'a> Movers<'a> {
                 }),
                 Act::Donut => {
                     // The ring is a neighbour of the middle, and what is around it of the ring.
-                    self.floors[sector].goals.push(Goal::AnyFloor);
-                    for &ring in &self.neighbours[sector] {
-                        self.floors[ring].goals.push(Goal::AnyFloor);
+                    self.motions.floors[sector].go_to(Goal::AnyFloor);
+                    for &ring in &self.motions.neighbours[sector] {
+                        self.motions.floors[ring].go_to(Goal::AnyFloor);
                     }
                 }
             }
         }
     }
-
-    /// Lets every flight of stairs rise: the n-th step goes n steps above the first one's floor.
-    fn build_stairs(&mut self) {
-        for flight in std::mem::take(&mut self.stairs) {
-            let steps = self.steps(&flight);
-            let first = &self.floors[flight.first];
-            let still = first.goals.is_empty() && first.down == 0.0 && first.up == 0.0;
-            let start = self.raw.sectors[flight.first].floor;
-            for (&sector, &[least, most]) in &steps {
-                let goals = match (flight.repeats, flight.step > 0.0) {
-                    (true, true) => [Goal::FarUp; 2],
-                    (true, false) => [Goal::FarDown; 2],
-                    (false, _) => [least, most].map(|n| {
-                        let rise = f64::from(n) * flight.step;
-                        if still {
-                            Goal::At(start + rise)
-                        } else {
-                            Goal::Above(flight.first, rise)
-                        }
-                    }),
-                };
-                self.floors[sector].goals.extend(goals);
-            }
-        }
-    }
-
-    /// The sectors of a flight of stairs, each with the least and the greatest number of steps that
-    /// it can rise by. Along a chain without branches these are the same. Where the chain branches,
-    /// the way taken depends on what moves already, so a step may come as late as any; and the
-    /// original game counts a step for each line it looks through in vain.
-    fn steps(&self, flight: &Flight) -> BTreeMap<usize, [u32; 2]> {
-        let mut steps = BTreeMap::from([(flight.first, [1, 1])]);
-        let mut layer = vec![flight.first];
-        let mut n_lines = 0u32;
-        let mut branches = false;
-        let next = self.next_steps(flight);
-        let mut n = 1;
-        while !layer.is_empty() {
-            n += 1;
-            let mut next_layer = Vec::new();
-            for sector in layer {
-                let onward = next.get(&sector).map_or(&[][..], Vec::as_slice);
-                n_lines += onward.len() as u32;
-                branches |= onward.len() > 1;
-                for &sector in onward {
-                    if let std::collections::btree_map::Entry::Vacant(entry) = steps.entry(sector) {
-                        entry.insert([n, n]);
-                        next_layer.push(sector);
-                    }
-                }
-            }
-            layer = next_layer;
-        }
-        if branches {
-            for [_, most] in steps.values_mut() {
-                *most = n_lines + 1;
-            }
-        }
-        steps
-    }
-
-    /// For each sector the sectors that may be the step after it, once for each line between them.
-    fn next_steps(&self, flight: &Flight) -> BTreeMap<usize, Vec<usize>> {
-        let flat = &self.raw.sectors[flight.first].floor_flat;
-        let mut next: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for line in self.raw.lines.iter().filter(|l| l.two_sided) {
-            let (Some(front), Some(back)) = (
-                self.raw.sector_at(line.front),
-                self.raw.sector_at(line.back),
-            ) else {
-                continue;
-            };
-            let is_marked = |s: usize| matches!(self.raw.sectors[s].special & 0xFF, 26 | 27);
-            let mut link = |from: usize, to: usize| next.entry(from).or_default().push(to);
-            match flight.follow {
-                _ if front == back => {}
-                Follow::SameFlat if self.raw.sectors[back].floor_flat != *flat => {}
-                Follow::SameFlat | Follow::AnyFlat => link(front, back),
-                Follow::Marked => {
-                    for (from, to) in [(front, back), (back, front)] {
-                        if is_marked(to) {
-                            link(from, to);
-                        }
-                    }
-                }
-            }
-        }
-        next
-    }
-
-    /// Grows all intervals from rest until every goal lies inside.
-    fn grow(&self) -> Vec<Range> {
-        let at_rest = |z: f64| [z, z];
-        let mut floors: Vec<Interval> = self.raw.sectors.iter().map(|s| at_rest(s.floor)).collect();
-        let mut ceilings: Vec<Interval> = self
-            .raw
-            .sectors
-            .iter()
-            .map(|s| at_rest(s.ceiling))
-            .collect();
-        let moving: Vec<usize> = (0..floors.len())
-            .filter(|&s| self.floors[s].moves() || self.ceilings[s].moves())
-            .collect();
-        for round in 0.. {
-            let mut changed = false;
-            for &s in &moving {
-                let floor = self.reach(
-                    s,
-                    &self.floors[s],
-                    &floors,
-                    &ceilings,
-                    self.raw.sectors[s].floor,
-                );
-                let mut ceiling = self.reach(
-                    s,
-                    &self.ceilings[s],
-                    &floors,
-                    &ceilings,
-                    self.raw.sectors[s].ceiling,
-                );
-                if self.ceilings[s].carried {
-                    ceiling = self.carry(s, ceiling, floors[s]);
-                }
-                let impatient = round >= PATIENT_ROUNDS;
-                changed |= widen(&mut floors[s], floor, impatient);
-                changed |= widen(&mut ceilings[s], ceiling, impatient);
-            }
-            // After the patient rounds each of the four bounds of a sector changes once at most.
-            if !changed {
-                break;
-            }
-        }
-        let height = |rest: f64, [low, high]: Interval| Height { rest, low, high };
-        let rows = self.raw.sectors.iter().zip(floors.iter().zip(&ceilings));
-        rows.map(|(sector, (&floor, &ceiling))| Range {
-            floor: height(sector.floor, floor),
-            ceiling: height(sector.ceiling, ceiling),
-        })
-        .collect()
-    }
-
-    /// Where a motion can take the floor or ceiling that rests at `rest`, as far as known by now.
-    fn reach(
-        &self,
-        sector: usize,
-        motion: &Motion,
-        floors: &[Interval],
-        ceilings: &[Interval],
-        rest: f64,
-    ) -> Interval {
-        let mut reach = [rest, rest];
-        for &goal in &motion.goals {
-            let [low, high] = self.aim(sector, goal, floors, ceilings);
-            reach = [reach[0].min(low), reach[1].max(high)];
-        }
-        [
-            (reach[0] - motion.down).max(-FAR).min(rest),
-            (reach[1] + motion.up).min(FAR).max(rest),
-        ]
-    }
-
-    /// Where a goal can lie, as far as known by now. A goal that lies only above (below) leaves the
-    /// other bound at infinity, where it widens nothing.
-    fn aim(
-        &self,
-        sector: usize,
-        goal: Goal,
-        floors: &[Interval],
-        ceilings: &[Interval],
-    ) -> Interval {
-        const NOWHERE: Interval = [f64::INFINITY, f64::NEG_INFINITY];
-        let around = || self.neighbours[sector].iter().copied();
-        let least = |heights: &[Interval]| {
-            let lower = |a: Interval, s: usize| [a[0].min(heights[s][0]), a[1].min(heights[s][1])];
-            around().fold([f64::INFINITY; 2], lower)
-        };
-        let greatest = |heights: &[Interval]| {
-            let upper = |a: Interval, s: usize| [a[0].max(heights[s][0]), a[1].max(heights[s][1])];
-            around().fold([f64::NEG_INFINITY; 2], upper)
-        };
-        let hull = |a: Interval, b: Interval| [a[0].min(b[0]), a[1].max(b[1])];
-        let any = |heights: &[Interval]| around().fold(NOWHERE, |a, s| hull(a, heights[s]));
-        let alone = self.neighbours[sector].is_empty();
-        match goal {
-            // A sector without neighbours: the games differ in what they take for the answer.
-            Goal::LowestFloor if alone => NOWHERE,
-            Goal::HighestFloor | Goal::AboveHighestFloor if alone => [-FAR, f64::NEG_INFINITY],
-            Goal::LowestCeiling | Goal::HighestCeiling if alone => [-FAR, FAR],
-            Goal::LowestFloor => least(floors),
-            Goal::HighestFloor | Goal::AboveHighestFloor => {
-                let [low, high] = greatest(floors);
-                let above = if goal == Goal::HighestFloor { 0.0 } else { 8.0 };
-                // The original game never looks below -500.
-                [low, high.max(-500.0) + above]
-            }
-            Goal::HigherFloor => [f64::INFINITY, greatest(floors)[1]],
-            Goal::LowerFloor => [least(floors)[0], f64::NEG_INFINITY],
-            Goal::AnyFloor => any(floors),
-            Goal::LowestCeiling => {
-                let [low, high] = least(ceilings);
-                [low - 8.0, high]
-            }
-            // The original game never looks below 0.
-            Goal::HighestCeiling => {
-                let [low, high] = greatest(ceilings);
-                [low, high.max(0.0)]
-            }
-            Goal::HigherCeiling => [f64::INFINITY, greatest(ceilings)[1]],
-            Goal::LowerCeiling => [least(ceilings)[0], f64::NEG_INFINITY],
-            Goal::OwnFloor => floors[sector],
-            Goal::AboveOwnFloor => [floors[sector][0], floors[sector][1] + 8.0],
-            Goal::OwnCeiling => [ceilings[sector][0] - 8.0, ceilings[sector][1]],
-            Goal::Nearby | Goal::FrontFloor => {
-                let own = hull(floors[sector], ceilings[sector]);
-                hull(own, hull(any(floors), any(ceilings)))
-            }
-            Goal::Above(other, rise) => [floors[other][0] + rise, floors[other][1] + rise],
-            Goal::At(z) => [z, z],
-            Goal::FarUp => [f64::INFINITY, FAR],
-            Goal::FarDown => [-FAR, f64::NEG_INFINITY],
-        }
-    }
-
-    /// An elevator's ceiling keeps its distance from the floor, unless something else moves it:
-    /// then it may be anywhere.
-    fn carry(&self, sector: usize, ceiling: Interval, floor: Interval) -> Interval {
-        let motion = &self.ceilings[sector];
-        if !motion.goals.is_empty() || motion.down > 0.0 || motion.up > 0.0 {
-            return [-FAR, FAR];
-        }
-        let rest = &self.raw.sectors[sector];
-        let gap = rest.ceiling - rest.floor;
-        [
-            ceiling[0].min((floor[0] + gap).max(-FAR)),
-            ceiling[1].max((floor[1] + gap).min(FAR)),
-        ]
-    }
-}
-
-impl Motion {
-    fn moves(&self) -> bool {
-        !self.goals.is_empty() || self.down > 0.0 || self.up > 0.0 || self.carried
-    }
-
-    /// Goes up (down if negative) by a distance; if again and again, without end.
-    fn go_by(&mut self, by: f64, repeats: bool) {
-        let way = if repeats { 2.0 * FAR } else { by.abs() };
-        if by > 0.0 {
-            self.up += way;
-        } else if by < 0.0 {
-            self.down += way;
-        }
-    }
-}
-
-/// Widens an interval to hold another; impatiently, a bound that moves goes to the limit at once.
-fn widen(interval: &mut Interval, other: Interval, impatient: bool) -> bool {
-    let before = *interval;
-    if other[0] < interval[0] {
-        interval[0] = if impatient {
-            other[0].min(-FAR)
-        } else {
-            other[0]
-        };
-    }
-    if other[1] > interval[1] {
-        interval[1] = if impatient {
-            other[1].max(FAR)
-        } else {
-            other[1]
-        };
-    }
-    *interval != before
 }

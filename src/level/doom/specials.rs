@@ -194,8 +194,9 @@ pub fn doom(number: u32) -> Meaning {
         227..=230 => tagged(&[Elevator(HigherFloor)]),
         231..=234 => tagged(&[Elevator(LowerFloor)]),
         235..=238 => tagged(&[Elevator(FrontFloor)]),
-        // Exits, teleporters, lights, scrolling, friction, transfers; MBF21's are 1024 to 1026.
-        0..=272 | 1024..=1026 => Meaning::Nothing,
+        // Exits, teleporters, lights, scrolling, friction, transfers; MBF21's are 1024 to 1026, and
+        // 340 to 347 are slopes, which do not move.
+        0..=272 | 340..=347 | 1024..=1026 => Meaning::Nothing,
         _ => Meaning::Unknown,
     }
 }

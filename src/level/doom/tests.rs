@@ -1,3 +1,8 @@
 //! Maps built by hand, and all maps of Freedoom where that is installed.
 
+mod build;
+mod defects;
 mod freedoom;
+mod never_panics;
+mod ranges;
+mod text_maps;
