@@ -83,19 +83,22 @@
 
 mod error;
 mod furnish;
+mod names;
 mod opening;
 mod outline;
 mod plan;
 mod record;
 mod source;
+mod standing;
 
 use std::path::Path;
 
 pub use error::TomlError;
 
 use self::furnish::read_scene;
+use self::names::Names;
 use self::opening::add_openings;
-use self::plan::{Names, Plan, read_plan, vec2};
+use self::plan::{Plan, read_plan, vec2};
 use self::record::File;
 use self::source::SourceText;
 use super::Level;
