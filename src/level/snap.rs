@@ -33,8 +33,17 @@ const FAR_LIMIT: f64 = (1u64 << 52) as f64;
 /// No coordinate may be this many units from zero or farther (2^53), whatever the step.
 const UNIT_LIMIT: f64 = (1u64 << 53) as f64;
 
-/// What was one point, or lay on a wall, before snapping: nearer than this part of a step.
+/// A computed point that was moved by less than this part of a step is not called moved, and what
+/// was nearer than this was one point, or lay on a wall, before.
 const TOUCH: f64 = 0.01;
+
+/// How near (in units) points of the draft are that were meant to coincide: a hundredth of a step,
+/// and whatever f64 cannot tell apart as far from zero as the grid reaches (four units in the last
+/// place, since such points are computed in a few operations).
+pub(super) fn touch(grid: &Grid) -> f64 {
+    let reach = grid.origin[0].abs().max(grid.origin[1].abs()) + GRID_LIMIT;
+    grid.step.length() * (TOUCH + 4.0 * f64::EPSILON * reach as f64)
+}
 
 /// Why a draft cannot be put on a grid. Every variant but `Empty` names a place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

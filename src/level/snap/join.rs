@@ -1,8 +1,8 @@
 //! Keeps together what rounding to the grid would tear apart.
 //!
 //! In: draft walls and the grid. Out: walls on the grid such that points which were one before are
-//! one after, and a wall's end which lay on another wall before lies exactly on it after. "Was one"
-//! and "lay on" mean: nearer than a hundredth of a step in the original numbers. The only means is
+//! one after, and a wall's end which lay on another wall before lies exactly on it after. "Were one"
+//! and "lay on" mean: nearer than [`touch`] in the original numbers. The only means is
 //! to split a wall at such an end; no point is ever moved to another grid point than its nearest,
 //! except for a point that all but coincides with another one and would be rounded the other way.
 //!
@@ -21,7 +21,7 @@ use crate::geom::{Grid, GridPoint};
 use super::super::draft::DraftWall;
 use super::super::finding::{Finding, Place, Severity};
 use super::super::model::Wall;
-use super::{RawPoint, TOUCH, distinct_places, finished, to_grid};
+use super::{RawPoint, distinct_places, finished, to_grid, touch};
 
 /// A distinct point of the draft and where it went.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +58,7 @@ impl SnappedPoints {
             });
             points[i].written |= point.written;
         }
-        let merged = merged_grid_points(&points, TOUCH * grid.step.length());
+        let merged = merged_grid_points(&points, touch(grid));
         for (point, grid_point) in points.iter_mut().zip(merged) {
             point.grid = grid_point;
         }
@@ -121,7 +121,7 @@ pub(super) fn join(
     walls: Vec<DraftWall>,
     findings: &mut Vec<Finding>,
 ) -> Vec<Wall> {
-    let touch = TOUCH * grid.step.length();
+    let touch = touch(grid);
     let touching = touching_ends(snapped, &walls, touch);
     let mut finished_walls = Vec::with_capacity(walls.len());
     let mut places = Vec::new();

@@ -10,7 +10,7 @@ use super::super::scene::{
     Shape, Texture,
 };
 use super::error::TomlError;
-use super::plan::Names;
+use super::names::Names;
 use super::record::{
     CameraTable, File, Finite, LightKind, LightTable, MaterialTable, ObjectKind, ObjectTable,
     PathTable, Point3, Positive,

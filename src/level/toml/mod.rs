@@ -31,7 +31,9 @@
 //! degrees, counterclockwise; colours linear RGB with 1 as full. Walls have no thickness: where the
 //! outlines of two rooms coincide there is one wall, and an opening cut into it joins both. Rooms
 //! are best drawn wall to wall, to the middle of the real walls. Outlines run either way round and
-//! are closed by themselves. Where outlines overlap, the room that comes last in the file counts.
+//! are closed by themselves. Where outlines overlap, the room that comes last in the file counts; so
+//! a room may stand inside another one (an opening between the two is placed by `room`, not by
+//! `between`, since their outlines have nothing in common).
 //!
 //! # The whole level
 //! | key | meaning |
@@ -83,19 +85,22 @@
 
 mod error;
 mod furnish;
+mod names;
 mod opening;
 mod outline;
 mod plan;
 mod record;
 mod source;
+mod standing;
 
 use std::path::Path;
 
 pub use error::TomlError;
 
 use self::furnish::read_scene;
+use self::names::Names;
 use self::opening::add_openings;
-use self::plan::{Names, Plan, read_plan, vec2};
+use self::plan::{Plan, read_plan, vec2};
 use self::record::File;
 use self::source::SourceText;
 use super::Level;

@@ -6,6 +6,7 @@ use toml::Spanned;
 use super::super::draft::DraftWall;
 use super::super::finding::Place;
 use super::super::model::{Opening, OpeningStyle, WallKind};
+use super::super::snap::touch;
 use super::error::TomlError;
 use super::outline::{contains, side as side_of};
 use super::plan::{Edge, Plan, find_material, ring, vec2};
@@ -138,7 +139,7 @@ fn holes_along(
     let room_for_one = length / f64::from(count);
     let width = (record.width.as_ref()).map_or(room_for_one, |w| w.get_ref().0);
     // A width that was written as the whole of the wall may differ from it by rounding.
-    let slack = plan.grid.step.length() / 100.0;
+    let slack = touch(&plan.grid);
     let too_wide = |available: f64| TomlError::TooWide {
         place: record
             .width
@@ -189,11 +190,11 @@ fn shared_stretch(
         plan.room_names.find(plan.source, a)?,
         plan.room_names.find(plan.source, b)?,
     );
-    let touch = plan.grid.step.length() / 100.0;
+    let near = touch(&plan.grid);
     let mut stretches = Vec::new();
     for (p, q) in ring(&plan.rooms[room_a].corners) {
         for (r, s) in ring(&plan.rooms[room_b].corners) {
-            stretches.extend(common_stretch([p, q], [r, s], touch));
+            stretches.extend(common_stretch([p, q], [r, s], near));
         }
     }
     if room_a == room_b || stretches.is_empty() {

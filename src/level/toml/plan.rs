@@ -1,8 +1,8 @@
-//! Rooms, zones, free-standing walls and pillars become outlines and draft walls.
+//! Rooms and zones become outlines and draft walls; with [`super::standing`], the plan without its
+//! openings.
 //!
 //! In: the checked tables of a file. Out: a [`Plan`], into which [`super::opening`] then cuts.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use glam::DVec2;
@@ -15,10 +15,13 @@ use super::super::finding::Place;
 use super::super::model::{Height, Outline, OutlineId, Sector, SectorId, WallKind};
 use super::super::scene::MaterialId;
 use super::super::snap::{RawPoint, choose_grid};
-use super::error::{TomlError, probably_meant};
-use super::outline::{check, contains, grid_points, inner_point};
-use super::record::{Corners, File, Finite, Name, Pillar, Point2};
+use super::error::TomlError;
+use super::names::Names;
+use super::outline::{check, contains, inner_point};
+
+use super::record::{Corners, File, Finite, Name, Point2};
 use super::source::SourceText;
+use super::standing::{add_free_walls, add_pillars, round_pillars};
 
 /// What the file says once for all.
 pub(super) struct Plan<'a> {
@@ -51,60 +54,6 @@ pub(super) struct Edge {
     pub to: DVec2,
     /// The room whose edge it is; `None` for a free-standing wall.
     pub room: Option<usize>,
-}
-
-/// Names of things of one kind, with index and place.
-pub(super) struct Names {
-    what: &'static str,
-    index: HashMap<String, (usize, Place)>,
-}
-
-impl Names {
-    /// No names yet; `what` is "room", "material", …, for errors.
-    pub(super) fn new(what: &'static str) -> Self {
-        let index = HashMap::new();
-        Names { what, index }
-    }
-
-    /// Numbers the names from 0; an error where one occurs twice.
-    pub(super) fn of<'n>(
-        source: &SourceText,
-        what: &'static str,
-        names: impl Iterator<Item = &'n Name>,
-    ) -> Result<Self, TomlError> {
-        let mut result = Names::new(what);
-        for (i, name) in names.enumerate() {
-            let place = source.place(name.span());
-            let earlier = result.index.insert(name.get_ref().clone(), (i, place));
-            if let Some((_, first)) = earlier {
-                return Err(TomlError::DuplicateName {
-                    place,
-                    what,
-                    name: name.get_ref().clone(),
-                    first,
-                });
-            }
-        }
-        Ok(result)
-    }
-
-    /// The index of a name; an error, with a suggestion, where nothing has it.
-    pub(super) fn find(&self, source: &SourceText, name: &Name) -> Result<usize, TomlError> {
-        self.index
-            .get(name.get_ref())
-            .map(|(i, _)| *i)
-            .ok_or_else(|| {
-                // Sorted, so that the suggestion does not depend on the order of a hash map.
-                let mut known: Vec<&str> = self.index.keys().map(String::as_str).collect();
-                known.sort_unstable();
-                TomlError::UnknownName {
-                    place: source.place(name.span()),
-                    what: self.what,
-                    name: name.get_ref().clone(),
-                    suggestion: probably_meant(name.get_ref(), known.into_iter()),
-                }
-            })
-    }
 }
 
 /// The plan of a file, without its openings.
@@ -196,6 +145,16 @@ fn provisional_grid(source: &SourceText, file: &File) -> Result<Grid, TomlError>
     for wall in &file.wall {
         points.extend(written_points(source, &wall.get_ref().points));
     }
+    // The ends of openings may have more decimals; a stray one must not stretch the grid.
+    let low = points.iter().map(|p| p.at).reduce(DVec2::min);
+    let high = points.iter().map(|p| p.at).reduce(DVec2::max);
+    let openings = [&file.opening, &file.door, &file.window, &file.archway];
+    let ends = (openings.into_iter().flatten())
+        .filter_map(|table| table.get_ref().points.as_ref())
+        .flat_map(|ends| written(source, ends.get_ref()))
+        .filter(|p| low.is_some_and(|low| low.cmple(p.at).all()))
+        .filter(|p| high.is_some_and(|high| high.cmpge(p.at).all()));
+    points.extend(ends.collect::<Vec<_>>());
     if points.is_empty() {
         // Nothing to check; whatever is missing is reported where it is missed.
         return Ok(Grid {
@@ -312,164 +271,16 @@ fn add_zones(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
     Ok(())
 }
 
-fn add_pillars(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
-    for (i, table) in file.pillar.iter().enumerate() {
-        let pillar = table.get_ref();
-        let place = plan.source.place(table.span());
-        let what = match &pillar.name {
-            Some(name) => format!("pillar `{name}`"),
-            None => format!("pillar {}", i + 1),
-        };
-        let material = (pillar.material.as_ref()).or(file.defaults.materials.walls.as_ref());
-        let material = find_material(plan, material)?;
-        let round = round_pillars(plan.source, table)?;
-        let rings = if round.is_empty() {
-            vec![shape(plan, &what, place, &pillar.rect, &pillar.outline)?]
-        } else {
-            round
-        };
-        for corners in rings {
-            let counterclockwise = check(&plan.grid, &what, place, &corners)?;
-            let area = Area {
-                sector: None,
-                zone: false,
-                kind: WallKind::Solid,
-                material,
-                counterclockwise,
-            };
-            add_area(plan, &corners, area);
-        }
-    }
-    Ok(())
-}
-
-/// The corners of the round pillars of a table; none where its pillar is not round.
-fn round_pillars(
-    source: &SourceText,
-    table: &Spanned<Pillar>,
-) -> Result<Vec<Vec<RawPoint>>, TomlError> {
-    const USUAL_SIDES: u32 = 16;
-    const MOST_SIDES: u32 = 1000;
-    let pillar = table.get_ref();
-    let place = source.place(table.span());
-    let given = [
-        pillar.center.is_some(),
-        pillar.centers.is_some(),
-        pillar.rect.is_some(),
-        pillar.outline.is_some(),
-    ];
-    let round = pillar.center.is_some() || pillar.centers.is_some();
-    if given.iter().filter(|g| **g).count() != 1 || round != pillar.radius.is_some() {
-        return Err(TomlError::Keys {
-            place,
-            what: "a pillar".into(),
-            needed: "either `center` (or `centers`) and `radius`, or `rect`, or `outline`".into(),
-        });
-    }
-    if !round && let Some(sides) = &pillar.sides {
-        return Err(TomlError::Misplaced {
-            place: source.place(sides.span()),
-            what: "a pillar with corners of its own",
-            key: "sides",
-        });
-    }
-    let Some(radius) = pillar.radius else {
-        return Ok(Vec::new());
-    };
-    let sides = pillar.sides.as_ref().map_or(USUAL_SIDES, |s| *s.get_ref());
-    if let Some(given) = &pillar.sides
-        && !(3..=MOST_SIDES).contains(&sides)
-    {
-        return Err(TomlError::Parse {
-            place: source.place(given.span()),
-            message: format!("a pillar has 3 to {MOST_SIDES} sides, not {sides}"),
-        });
-    }
-    let single = pillar.center.iter();
-    let several = pillar.centers.iter().flat_map(|c| c.get_ref());
-    let turn = pillar.rotation.map_or(0.0, |a| a.0.to_radians());
-    Ok(single
-        .chain(several)
-        .map(|center| {
-            let place = source.place(center.span());
-            let middle = vec2(*center.get_ref());
-            let corner = |i| {
-                let angle = turn + std::f64::consts::TAU * f64::from(i) / f64::from(sides);
-                RawPoint {
-                    at: middle + DVec2::from_angle(angle) * radius.0,
-                    written: false,
-                    place,
-                }
-            };
-            (0..sides).map(corner).collect()
-        })
-        .collect())
-}
-
-fn add_free_walls(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
-    for (i, table) in file.wall.iter().enumerate() {
-        let wall = table.get_ref();
-        let place = plan.source.place(table.span());
-        let what = match &wall.name {
-            Some(name) => format!("wall `{name}`"),
-            None => format!("wall {}", i + 1),
-        };
-        let points = written_points(plan.source, &wall.points);
-        let needed = if wall.closed { 3 } else { 2 };
-        if points.len() < needed {
-            return Err(TomlError::TooFewCorners {
-                place,
-                what,
-                count: points.len(),
-                needed,
-            });
-        }
-        for pair in points.windows(2) {
-            grid_points(&plan.grid, &what, pair)?;
-        }
-        if wall.closed {
-            let last = points[points.len() - 1];
-            grid_points(&plan.grid, &what, &[points[0], last])?;
-        }
-        let material = wall
-            .material
-            .as_ref()
-            .or(file.defaults.materials.walls.as_ref());
-        let material = find_material(plan, material)?;
-        let n = points.len();
-        for i in 0..if wall.closed { n } else { n - 1 } {
-            let (from, to) = (points[i], points[(i + 1) % n]);
-            plan.edges.push(Edge {
-                from: from.at,
-                to: to.at,
-                room: None,
-            });
-            plan.walls.push(DraftWall {
-                from: from.at,
-                to: to.at,
-                written: [true, true],
-                kind: WallKind::Outline,
-                left: None,
-                right: None,
-                outline: None,
-                material,
-                place: from.place,
-            });
-        }
-    }
-    Ok(())
-}
-
 /// What the edges of one outline have in common.
-struct Area {
-    sector: Option<SectorId>,
-    zone: bool,
-    kind: WallKind,
-    material: Option<MaterialId>,
-    counterclockwise: bool,
+pub(super) struct Area {
+    pub sector: Option<SectorId>,
+    pub zone: bool,
+    pub kind: WallKind,
+    pub material: Option<MaterialId>,
+    pub counterclockwise: bool,
 }
 
-fn add_area(plan: &mut Plan, corners: &[RawPoint], area: Area) {
+pub(super) fn add_area(plan: &mut Plan, corners: &[RawPoint], area: Area) {
     let outline = OutlineId(plan.outlines.len() as u32);
     plan.outlines.push(Outline {
         sector: area.sector,
@@ -497,7 +308,7 @@ fn add_area(plan: &mut Plan, corners: &[RawPoint], area: Area) {
 }
 
 /// The corners of an area that is given as either `rect` or `outline`.
-fn shape(
+pub(super) fn shape(
     plan: &Plan,
     what: &str,
     place: Place,
@@ -527,13 +338,17 @@ fn rect_corners(source: &SourceText, rect: &Spanned<[Finite; 4]>) -> Vec<RawPoin
         .to_vec()
 }
 
-fn written_points(source: &SourceText, points: &Corners) -> Vec<RawPoint> {
+pub(super) fn written_points(source: &SourceText, points: &Corners) -> Vec<RawPoint> {
+    written(source, points.get_ref())
+}
+
+fn written(source: &SourceText, points: &[Spanned<Point2>]) -> Vec<RawPoint> {
     let point = |p: &Spanned<Point2>| RawPoint {
         at: vec2(*p.get_ref()),
         written: true,
         place: source.place(p.span()),
     };
-    points.get_ref().iter().map(point).collect()
+    points.iter().map(point).collect()
 }
 
 /// The point's two numbers.

@@ -174,10 +174,21 @@ fn usual_heights_end_under_a_low_ceiling() {
 
 #[test]
 fn a_door_in_a_slanted_wall_lies_on_both_rooms() {
-    let text = "[[room]]\nname = 'A'\noutline = [[0, 0], [7, 3], [0, 3]]\n\
-                [[room]]\nname = 'B'\noutline = [[0, 0], [7, 0], [7, 3]]\n\
-                [[door]]\nbetween = ['A', 'B']\nwidth = 1\nat = [3.5, 1.5]";
-    let level = level(text);
+    // Far away too, where the door's ends are computed with few digits left.
+    for d in [0_i64, 100_000_000_000] {
+        check_slanted_door(d);
+    }
+}
+
+fn check_slanted_door(d: i64) {
+    let (x0, x1) = (d, d + 7);
+    let text = format!(
+        "[[room]]\nname = 'A'\noutline = [[{x0}, 0], [{x1}, 3], [{x0}, 3]]\n\
+         [[room]]\nname = 'B'\noutline = [[{x0}, 0], [{x1}, 0], [{x1}, 3]]\n\
+         [[door]]\nbetween = ['A', 'B']\nwidth = 1\nat = [{}.5, 1.5]",
+        d + 3
+    );
+    let level = level(&text);
     let codes: Vec<_> = level.findings.iter().map(|f| f.code).collect();
     assert_eq!(codes, ["snapped", "joined"]);
     // Both slanted edges became three pieces, one of them the door's.
