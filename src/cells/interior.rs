@@ -9,7 +9,7 @@ use super::arrangement::{Arrangement, Cover, Piece};
 use super::locate::contains;
 use super::mesh::Mesh;
 use crate::geom::Vertex;
-use crate::level::{Finding, Interior, Level, OutlineId, SectorId, Severity, WallKind};
+use crate::level::{Finding, Interior, Level, OutlineId, SectorId, Severity};
 
 /// What a cell of a mesh is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,11 +27,11 @@ pub struct Label {
 pub fn label(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label>, Vec<Finding>) {
     match &level.interior {
         Interior::Sides => by_sides(level, arrangement, mesh),
-        Interior::Outlines => by_outlines(level, arrangement, mesh),
+        Interior::Outlines => (by_outlines(level, arrangement, mesh), Vec::new()),
         Interior::Enclosed { starts } => {
             let starts: Vec<Vertex> =
                 starts.iter().map(|&p| arrangement.frame.enter(p).into()).collect();
-            by_enclosure(arrangement, mesh, &starts)
+            (by_enclosure(level, arrangement, mesh, &starts), Vec::new())
         }
     }
 }
@@ -151,12 +151,9 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
     (labels, findings)
 }
 
-/// Rooms: crossing a wall enters or leaves the outlines that it is an edge of.
-fn by_outlines(
-    level: &Level,
-    arrangement: &Arrangement,
-    mesh: &Mesh,
-) -> (Vec<Label>, Vec<Finding>) {
+/// The outlines around each cell, ascending: crossing a wall enters or leaves those that it is an
+/// edge of, and nothing is around the unbounded outside.
+fn outlines_around(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec<Vec<OutlineId>> {
     let mut within: Vec<Option<Vec<OutlineId>>> = vec![None; mesh.n_cells()];
     let crossing = |from: &[OutlineId], piece: Option<_>| -> Vec<OutlineId> {
         let mut set = from.to_vec();
@@ -187,26 +184,36 @@ fn by_outlines(
             }
         }
     }
-    let outline = |id: OutlineId| &level.outlines[id.0 as usize];
-    let labels = within
-        .into_iter()
-        .map(|set| {
-            let set = set.unwrap_or_default();
-            let in_room = set.iter().any(|&id| !outline(id).zone);
-            let sector = set.last().and_then(|&id| outline(id).sector).filter(|_| in_room);
-            Label { inside: sector.is_some(), sector, also: Vec::new() }
-        })
-        .collect();
-    (labels, Vec::new())
+    within.into_iter().map(|set| set.unwrap_or_default()).collect()
+}
+
+/// Rooms: the last outline around a place that is not a zone decides whether it is inside; the last
+/// of all gives the sector.
+fn by_outlines(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec<Label> {
+    let outline = |id: &OutlineId| &level.outlines[id.0 as usize];
+    let label = |set: Vec<OutlineId>| {
+        let inside = set.iter().map(outline).rfind(|o| !o.zone).is_some_and(|o| o.sector.is_some());
+        let sector = set.last().map(outline).and_then(|o| o.sector).filter(|_| inside);
+        Label { inside, sector, also: Vec::new() }
+    };
+    outlines_around(level, arrangement, mesh).into_iter().map(label).collect()
 }
 
 /// Plans: inside is what walls and openings part from the unbounded outside, and, given start
-/// points, what can be reached from one of them without crossing an opaque wall.
+/// points, what can be reached from one of them without crossing an opaque wall. Inside an outline
+/// without a sector (a pillar) is outside. The first sector, if there is one, is everywhere.
 fn by_enclosure(
+    level: &Level,
     arrangement: &Arrangement,
     mesh: &Mesh,
     starts: &[Vertex],
-) -> (Vec<Label>, Vec<Finding>) {
+) -> Vec<Label> {
+    let sector = (!level.sectors.is_empty()).then_some(SectorId(0));
+    let around = outlines_around(level, arrangement, mesh);
+    let solid = |cell: u32| {
+        let outline = |id: &OutlineId| &level.outlines[id.0 as usize];
+        around[cell as usize].iter().map(outline).any(|o| o.sector.is_none())
+    };
     let mut faces = Faces::new(arrangement, mesh, |p| p.opaque || p.opening);
     let outside = faces.outside();
     let mut reach = Faces::new(arrangement, mesh, |p| p.opaque && !p.opening);
@@ -218,17 +225,11 @@ fn by_enclosure(
             reached.push(reach.find(cell as u32));
         }
     }
-    let labels = (0..mesh.n_cells() as u32)
+    (0..mesh.n_cells() as u32)
         .map(|cell| {
-            let enclosed = faces.find(cell) != outside;
-            let wanted = starts.is_empty() || reached.contains(&reach.find(cell));
-            Label { inside: enclosed && wanted, ..Label::default() }
+            let enclosed = faces.find(cell) != outside && !solid(cell);
+            let inside = enclosed && (starts.is_empty() || reached.contains(&reach.find(cell)));
+            Label { inside, sector: sector.filter(|_| inside), also: Vec::new() }
         })
-        .collect();
-    (labels, Vec::new())
-}
-
-/// Whether a wall of this kind lets sight through when everything is open.
-pub fn is_see_through(kind: &WallKind) -> bool {
-    matches!(kind, WallKind::Edge { .. } | WallKind::Opening(_))
+        .collect()
 }
