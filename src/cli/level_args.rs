@@ -118,3 +118,11 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         _ => Err("a whole number from 1 on is needed".to_string()),
     }
 }
+
+/// A point on the plan: `X,Y`.
+pub fn point(text: &str) -> Result<glam::DVec2, String> {
+    let wrong = || "two numbers with a comma between them are needed, such as 12.5,-3".to_string();
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    number(x).zip(number(y)).map(|(x, y)| glam::DVec2::new(x, y)).ok_or_else(wrong)
+}

@@ -6,6 +6,7 @@
 mod build;
 mod level_args;
 mod output;
+mod plan;
 mod progress;
 mod summary;
 
@@ -25,6 +26,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Build(build::BuildArgs),
+    Plan(plan::PlanArgs),
 }
 
 /// What a command that ran to its end has to say.
@@ -41,6 +43,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
+        Command::Plan(args) => plan::run(&args),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

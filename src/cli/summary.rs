@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use crate::cells::{CellGraph, CellId, Subdivision};
-use crate::level::{Level, SectorId};
+use crate::level::Level;
 use crate::pvs::Pvs;
 use crate::report::json::{Seconds, polygon};
+use crate::report::wording::{coordinate, count, count_of, duration, grouped, in_sector, unit};
 
 /// The figures of one build, a line for each stage.
 pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) -> String {
@@ -22,9 +23,9 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
         format!(
             "{}: {}, {}, {}{depth}",
             graph.options.subdivision.as_str(),
-            count(n as u64, "cell"),
-            count(graph.portals.len() as u64, "portal"),
-            count(graph.cost.wall_splits as u64, "wall split"),
+            count(n, "cell"),
+            count(graph.portals.len(), "portal"),
+            count(graph.cost.wall_splits, "wall split"),
         ),
     );
     line(
@@ -34,7 +35,7 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
             pvs.method.as_str(),
             pvs.class.as_str(),
             graph.options.doors.as_str(),
-            count(pvs.pairs(), "ordered pair"),
+            count(pvs.pairs() as usize, "ordered pair"),
             pvs.density(),
         ),
     );
@@ -119,23 +120,18 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
 }
 
 fn title(level: &Level) -> String {
-    format!("{} ({}, in {})\n", level.name, level.source, plural(&level.unit))
-}
-
-/// "map units", but "m".
-fn plural(unit: &str) -> String {
-    if unit.len() > 2 && !unit.ends_with('s') { format!("{unit}s") } else { unit.to_string() }
+    format!("{} ({}, in {})\n", level.name, level.source, unit(level))
 }
 
 fn level_figures(level: &Level) -> String {
     let mut text = format!(
         "{}, {}, {}",
-        count_of(level.n_vertices as u64, "vertex", "vertices"),
-        count(level.walls.len() as u64, "wall"),
-        count(level.sectors.len() as u64, "sector"),
+        count_of(level.n_vertices, "vertex", "vertices"),
+        count(level.walls.len(), "wall"),
+        count(level.sectors.len(), "sector"),
     );
     if level.snap > 0.0 {
-        _ = write!(text, "; points moved by at most {:.2e} {}", level.snap, plural(&level.unit));
+        _ = write!(text, "; points moved by at most {:.2e} {}", level.snap, unit(level));
     }
     text
 }
@@ -150,69 +146,6 @@ fn largest(graph: &CellGraph, pvs: &Pvs) -> Option<(CellId, usize)> {
 fn whereabouts(level: &Level, graph: &CellGraph, cell: CellId) -> String {
     let corners = polygon(graph, cell);
     let middle = corners.iter().sum::<glam::DVec2>() / corners.len().max(1) as f64;
-    let room = graph.cell(cell).sector.map_or_else(String::new, |id| in_sector(level, id));
-    format!("{room} at {}, {}", rounded(level, middle.x), rounded(level, middle.y))
-}
-
-fn in_sector(level: &Level, id: SectorId) -> String {
-    match level.sectors.get(id.0 as usize).and_then(|s| s.name.as_deref()) {
-        Some(name) => format!(" in '{name}'"),
-        None => format!(" in sector {}", id.0),
-    }
-}
-
-/// A coordinate with digits that suit the level's unit: whole map units, or hundredths.
-fn rounded(level: &Level, x: f64) -> String {
-    if level.grid.step.length() >= 1.0 { format!("{x:.0}") } else { format!("{x:.2}") }
-}
-
-fn count(n: u64, what: &str) -> String {
-    count_of(n, what, &format!("{what}s"))
-}
-
-fn count_of(n: u64, one: &str, many: &str) -> String {
-    format!("{} {}", grouped(n), if n == 1 { one } else { many })
-}
-
-/// 15,123,456
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
-}
-
-/// Three digits and a unit: 3.21 s, 45.6 ms, 789 µs.
-fn duration(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s >= 1.0 => (s, "s"),
-        s if s >= 1e-3 => (s * 1e3, "ms"),
-        s => (s * 1e6, "µs"),
-    };
-    let digits = match value {
-        v if v >= 100.0 => 0,
-        v if v >= 10.0 => 1,
-        _ => 2,
-    };
-    format!("{value:.digits$} {unit}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_for_people() {
-        assert_eq!(grouped(0), "0");
-        assert_eq!(grouped(1000), "1,000");
-        assert_eq!(grouped(15_123_456), "15,123,456");
-        assert_eq!(duration(0.0123), "12.3 ms");
-        assert_eq!(duration(125.0), "125 s");
-        assert_eq!(count(1, "cell"), "1 cell");
-    }
+    let room = in_sector(level, graph, cell);
+    format!("{room} at {}, {}", coordinate(level, middle.x), coordinate(level, middle.y))
 }
