@@ -4,6 +4,7 @@
 //! written. Results go to files or standard output, progress and warnings to standard error.
 
 mod build;
+mod check;
 mod level_args;
 mod output;
 mod plan;
@@ -26,6 +27,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Build(build::BuildArgs),
+    Check(check::CheckArgs),
     Plan(plan::PlanArgs),
 }
 
@@ -43,6 +45,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Plan(args) => plan::run(&args),
     };
     match result {

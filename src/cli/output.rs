@@ -57,7 +57,10 @@ impl Output {
                 fill(temporary.as_file_mut(), contents).and_then(|()| temporary.as_file().sync_all())
             }
         };
-        filled.with_context(|| format!("cannot write {}", self.name.display()))
+        filled.with_context(|| match self.sink {
+            Sink::Stdout => "cannot write to standard output".to_string(),
+            _ => format!("cannot write {}", self.name.display()),
+        })
     }
 }
 

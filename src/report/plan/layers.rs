@@ -7,8 +7,8 @@ use svg::node::element::{Circle, Group, Path};
 use super::View;
 use super::palette;
 use super::sheet::{PathData, Sheet, short};
-use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::level::{Level, OpeningStyle, WallKind};
+use crate::cells::{CellGraph, CellId, Doors, EdgeId};
+use crate::level::{Level, Opening, OpeningStyle, WallKind};
 
 /// What stands on an edge of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,9 +56,8 @@ impl<'a> Layers<'a> {
             }
             lines.entry(line).or_default().segment(p, q);
         }
-        lengths.sort_by(f64::total_cmp);
-        let median = lengths.get(lengths.len() / 2).copied().unwrap_or(20.0);
-        Layers { graph, sheet, lines, wall: (median * 0.12).clamp(0.9, 2.6) }
+        let wall = (typical(lengths) * 0.04).clamp(0.9, 2.6);
+        Layers { graph, sheet, lines, wall }
     }
 
     /// Whether any edge is of this kind.
@@ -176,17 +175,35 @@ impl<'a> Layers<'a> {
 
 fn line_of(level: &Level, graph: &CellGraph, id: EdgeId) -> Line {
     let edge = graph.edge(id);
-    let kind = edge.wall().map(|w| &level.walls[w.0 as usize].kind);
-    match (edge.twin(), kind) {
-        (None, Some(WallKind::Opening(_) | WallKind::Edge { .. })) => Line::ClosedDoor,
-        (None, _) => Line::Wall,
-        (_, Some(WallKind::Opening(opening))) => match opening.style {
+    let Some(wall) = edge.wall() else { return Line::Border };
+    let closed = graph.options.doors == Doors::Closed;
+    let sealed = edge.twin().is_none();
+    // Openings to the outside have nothing on their other side, but are drawn as what they are.
+    match &level.walls[wall.0 as usize].kind {
+        WallKind::Opening(Opening { shut: true, .. }) if closed => Line::ClosedDoor,
+        WallKind::Opening(opening) => match opening.style {
             OpeningStyle::Door => Line::Door,
             OpeningStyle::Window => Line::Window,
             OpeningStyle::Archway => Line::Archway,
         },
-        (_, Some(WallKind::Edge { shut: true })) => Line::Door,
-        (_, Some(_)) => Line::Step,
-        (_, None) => Line::Border,
+        WallKind::Edge { shut: true } if closed && sealed => Line::ClosedDoor,
+        // The edge of a zone that runs along a wall.
+        WallKind::Edge { .. } if sealed => Line::Wall,
+        WallKind::Edge { shut: true } => Line::Door,
+        WallKind::Edge { shut: false } => Line::Step,
+        WallKind::Solid | WallKind::Outline => Line::Wall,
     }
+}
+
+/// The length for which three quarters of the walls' run is in shorter ones, so that the many short edges of
+/// round pillars count little.
+fn typical(mut lengths: Vec<f64>) -> f64 {
+    lengths.sort_by(f64::total_cmp);
+    let most = lengths.iter().sum::<f64>() * 0.75;
+    let mut run = 0.0;
+    let reached = |&length: &f64| {
+        run += length;
+        run >= most
+    };
+    lengths.iter().copied().find(reached).unwrap_or(40.0)
 }

@@ -4,7 +4,7 @@ use svg::node::element::{Circle, Group, Line as LineElement, Path, Rectangle};
 
 use super::layers::{Layers, Line};
 use super::palette;
-use super::sheet::{Sheet, short};
+use super::sheet::{ROW, Sheet, short};
 use super::{View, text, text_width};
 use crate::cells::CellGraph;
 use crate::level::Level;
@@ -42,21 +42,22 @@ pub fn title(level: &Level, graph: &CellGraph, view: Option<&View>, sheet: &Shee
         .add(text(&about, sheet.side, 66.0, SIZE).set("fill", "#5c636e"))
 }
 
-/// A bar of a round length, about an eighth of the page wide.
+/// A bar of a round length, at most an eighth of the page wide, at the upper right.
 pub fn scale_bar(level: &Level, sheet: &Sheet) -> Group {
     let unit_length = sheet.scale / level.grid.step.length();
     let wanted = sheet.width / 8.0 / unit_length;
     let power = 10f64.powf(wanted.log10().floor());
     let length = [5.0, 2.0, 1.0].map(|m| m * power).into_iter().find(|&l| l <= wanted);
     let length = length.unwrap_or(power);
-    let (left, right) = (sheet.side, sheet.side + length * unit_length);
-    let y = sheet.height - 34.0;
     let line = |x0: f64, y0: f64, x1: f64, y1: f64| {
         let line = LineElement::new().set("x1", short(x0)).set("y1", short(y0));
         line.set("x2", short(x1)).set("y2", short(y1))
     };
     // f64's own way of writing gives 0.5, 20 and 1000 as they are.
     let label = format!("{length} {}", if length == 1.0 { level.unit.clone() } else { unit(level) });
+    let right = sheet.width - sheet.side - text_width(&label, SIZE) - 10.0;
+    let left = right - length * unit_length;
+    let y = 61.5;
     Group::new()
         .set("id", "scale")
         .set("stroke-width", 1.2)
@@ -72,8 +73,8 @@ enum Swatch {
     Sight,
 }
 
-/// The colours and lines that occur in the picture, in a row at the lower right.
-pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> Group {
+/// The colours and lines that occur in the picture, in rows below it; and how many rows.
+pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> (Group, usize) {
     let mut items: Vec<(&str, Swatch)> = Vec::new();
     if let Some(view) = view {
         let [source, seen, other] = palette::VIEW;
@@ -97,18 +98,19 @@ pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> Group {
     stroke(Line::Step, "change of sector", palette::PORTAL, 0.9, "", false);
     stroke(Line::Border, "other portal", palette::PORTAL, 0.7, "3.5 2.8", false);
 
-    let gap = 22.0;
-    let width = |label: &str| 32.0 + text_width(label, SIZE);
-    let total: f64 = items.iter().map(|i| width(i.0) + gap).sum::<f64>() - gap;
-    let mut x = sheet.width - sheet.side - total;
-    let y = sheet.height - 34.0;
     let mut group = Group::new().set("id", "legend");
+    let (mut x, mut rows) = (sheet.side, 1);
     for (label, swatch) in items {
+        let width = 32.0 + text_width(label, SIZE);
+        if x + width > sheet.width - sheet.side {
+            (x, rows) = (sheet.side, rows + 1);
+        }
+        let y = sheet.foot + ROW * (rows - 1) as f64;
         group = draw_swatch(group, &swatch, x, y);
         group = group.add(text(label, x + 32.0, y + 4.5, SIZE));
-        x += width(label) + gap;
+        x += width + 22.0;
     }
-    group
+    (group, rows)
 }
 
 fn draw_swatch(group: Group, swatch: &Swatch, x: f64, y: f64) -> Group {

@@ -35,10 +35,12 @@ pub struct View<'a> {
 pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -> Document {
     let sheet = Sheet::of(graph);
     let layers = Layers::new(level, graph, &sheet);
+    let (legend, rows) = legend::of_layers(&layers, view, &sheet);
+    let height = sheet.height + (rows - 1) as f64 * sheet::ROW;
     let mut document = Document::new()
-        .set("viewBox", (0, 0, sheet.width.round() as i64, sheet.height.round() as i64))
+        .set("viewBox", (0, 0, sheet.width, height))
         .set("width", width)
-        .set("height", (f64::from(width) * sheet.height / sheet.width).round())
+        .set("height", (f64::from(width) * height / sheet.width).round())
         .set("font-family", super::picture::FONT)
         .set("font-weight", 300)
         .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));
@@ -58,7 +60,7 @@ pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -
     document
         .add(legend::title(level, graph, view, &sheet))
         .add(legend::scale_bar(level, &sheet))
-        .add(legend::of_layers(&layers, view, &sheet))
+        .add(legend)
 }
 
 /// Text with its characters' own spaces kept.

@@ -1,6 +1,6 @@
 //! Names of rooms, where they fit between the walls.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles};
 use svg::node::element::Group;
 
 use super::sheet::{Sheet, short};
@@ -90,9 +90,8 @@ impl Placed {
     }
 }
 
-use glam::Vec2Swizzles as _;
-
-/// The best place for a name: the largest letters that fit, as near to the middle as they do.
+/// The best place for a name: the largest letters that fit, level if they can be, as near to the
+/// middle as they do.
 fn place(
     name: &str,
     cells: &[Vec<DVec2>],
@@ -120,8 +119,8 @@ fn place(
     // Only lines near the room matter.
     let around = Frame { low, high };
     let lines: Vec<_> = lines.iter().filter(|l| meets(l, &around)).collect();
-    for (upright, rows) in arrangements(name) {
-        for size in SIZES {
+    for upright in [false, true] {
+        for (size, rows) in SIZES.iter().flat_map(|&s| rows(name).map(move |r| (s, r))) {
             for &at in &spots {
                 let placed = Placed { rows: rows.clone(), size, upright, at };
                 let frame = placed.frame();
@@ -136,17 +135,15 @@ fn place(
     None
 }
 
-/// In one row, in two, and both again upright.
-fn arrangements(name: &str) -> Vec<(bool, Vec<String>)> {
-    let one = vec![name.to_string()];
+/// A name in one row, and in two.
+fn rows(name: &str) -> impl Iterator<Item = Vec<String>> {
     let middle = name.len() as f64 / 2.0;
     let spaces = name.match_indices(' ').map(|(i, _)| i);
     let space = spaces.min_by(|&i, &j| {
         (i as f64 - middle).abs().total_cmp(&(j as f64 - middle).abs())
     });
     let two = space.map(|i| vec![name[..i].to_string(), name[i + 1..].to_string()]);
-    let rows = || [Some(one.clone()), two.clone()].into_iter().flatten();
-    rows().map(|r| (false, r)).chain(rows().map(|r| (true, r))).collect()
+    [Some(vec![name.to_string()]), two].into_iter().flatten()
 }
 
 fn polygon_area(points: &[DVec2]) -> f64 {
@@ -156,7 +153,14 @@ fn polygon_area(points: &[DVec2]) -> f64 {
 }
 
 fn centroid(points: &[DVec2]) -> DVec2 {
-    points.iter().sum::<DVec2>() / points.len().max(1) as f64
+    let mean = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
+    let (mut sum, mut area) = (DVec2::ZERO, 0.0);
+    for i in 0..points.len() {
+        let (p, q) = (points[i] - mean, points[(i + 1) % points.len()] - mean);
+        sum += (p + q) * p.perp_dot(q) / 3.0;
+        area += p.perp_dot(q);
+    }
+    if area == 0.0 { mean } else { mean + sum / area }
 }
 
 /// Whether a convex polygon, either way round, holds a point.
@@ -200,8 +204,8 @@ mod tests {
 
     #[test]
     fn long_names_go_into_two_rows() {
-        let all = arrangements("Old North Wing");
-        assert_eq!(all[1], (false, vec!["Old North".to_string(), "Wing".to_string()]));
-        assert_eq!(arrangements("Hall").len(), 2);
+        let all: Vec<_> = rows("Old North Wing").collect();
+        assert_eq!(all[1], ["Old North", "Wing"]);
+        assert_eq!(rows("Hall").count(), 1);
     }
 }

@@ -12,15 +12,19 @@ const WIDTH: f64 = 1200.0;
 const MAX_PLAN_HEIGHT: f64 = 1400.0;
 const SIDE: f64 = 40.0;
 const TOP: f64 = 84.0;
-const BOTTOM: f64 = 76.0;
+const BOTTOM: f64 = 44.0;
+/// Height of a row of the legend.
+pub const ROW: f64 = 24.0;
 
 /// The page.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Width of the page.
     pub width: f64,
-    /// Height of the page.
+    /// Height of the page, with one row for the legend.
     pub height: f64,
+    /// The middle of the legend's first row.
+    pub foot: f64,
     /// Units of the page for a grid step.
     pub scale: f64,
     /// Left margin of everything outside the plan.
@@ -44,7 +48,8 @@ impl Sheet {
         let left = (WIDTH - size.x * scale) / 2.0;
         Sheet {
             width: WIDTH,
-            height: (TOP + size.y * scale + BOTTOM).ceil(),
+            height: (TOP + size.y * scale + BOTTOM + ROW).ceil(),
+            foot: TOP + size.y * scale + BOTTOM,
             scale,
             side: SIDE,
             origin: DVec2::new(left, TOP),
@@ -90,10 +95,5 @@ impl PathData {
             let letter = if i == 0 { 'M' } else { 'L' };
             _ = write!(self.0, "{letter}{} {}", short(p.x), short(p.y));
         }
-    }
-
-    /// Whether nothing was added.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
     }
 }
