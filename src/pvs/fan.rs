@@ -6,7 +6,8 @@
 
 use glam::DVec2;
 
-use crate::cells::{CellGraph, EdgeId};
+use super::flat::{FlatEdge, FlatMesh, WALL};
+use crate::cells::EdgeId;
 use crate::geom::{Side, VertexId, Vertices};
 
 /// A direction from the fan's vertex: towards another vertex.
@@ -24,44 +25,6 @@ pub(super) struct Event {
     pub ray: Ray,
     pub cell: u32,
     pub enters: bool,
-}
-
-/// The graph's edges as the walk needs them: everything about one edge in one place.
-pub(super) struct FanMesh<'a> {
-    graph: &'a CellGraph,
-    edges: Vec<FanEdge>,
-}
-
-#[derive(Clone, Copy)]
-struct FanEdge {
-    /// Where the edge ends, in f64.
-    at: DVec2,
-    end: VertexId,
-    /// The same stretch in the neighbouring cell; `u32::MAX` for a wall.
-    twin: u32,
-    /// The edge's own cell, and where its edges start and end.
-    cell: u32,
-    first: u32,
-    past: u32,
-}
-
-impl<'a> FanMesh<'a> {
-    pub fn new(graph: &'a CellGraph) -> Self {
-        let edge = |i: u32| {
-            let edge = graph.edge(EdgeId(i));
-            let range = graph.edge_range(edge.cell);
-            let end = graph.end(EdgeId(i));
-            FanEdge {
-                at: graph.vertices.approx(end),
-                end,
-                twin: edge.twin().map_or(u32::MAX, |t| t.0),
-                cell: edge.cell.0,
-                first: range.start,
-                past: range.end,
-            }
-        };
-        Self { graph, edges: (0..graph.edges.len() as u32).map(edge).collect() }
-    }
 }
 
 /// What of a fan is wanted.
@@ -108,8 +71,8 @@ struct About<'a> {
 
 impl About<'_> {
     #[inline]
-    fn ray(&self, edge: &FanEdge) -> Ray {
-        Ray { to: edge.end, d: edge.at - self.origin }
+    fn ray(&self, edge: &FlatEdge) -> Ray {
+        Ray { to: edge.end.id, d: edge.end.at - self.origin }
     }
 
     #[inline]
@@ -159,7 +122,7 @@ impl FanWalk {
     /// empty. Returns the number of cells entered.
     pub fn walk(
         &mut self,
-        mesh: &FanMesh,
+        mesh: &FlatMesh,
         v: VertexId,
         bases: &[EdgeId],
         wanted: Wanted,
@@ -173,15 +136,15 @@ impl FanWalk {
         for &base in bases {
             let cell = graph.edge(base).cell.0;
             let last_edge = graph.previous(base);
-            let mut from = about.ray(&mesh.edges[base.0 as usize]);
+            let mut from = about.ray(mesh.edge(base.0));
             event(Event { ray: from, cell, enters: true });
             entered += 1;
             let mut e = graph.next(base);
             while e != last_edge {
-                let edge = &mesh.edges[e.0 as usize];
+                let edge = mesh.edge(e.0);
                 let to = about.ray(edge);
                 // An edge in line with v (after a vertex in the middle of a side) is not seen.
-                if edge.twin != u32::MAX && about.is_left(&from, &to) {
+                if edge.twin != WALL && about.is_left(&from, &to) {
                     self.steps.push(Step::Enter { entry: edge.twin, low: from, high: to, asks });
                     entered += self.run(mesh, &about, &mut event);
                 }
@@ -193,7 +156,7 @@ impl FanWalk {
         entered
     }
 
-    fn run(&mut self, mesh: &FanMesh, about: &About, event: &mut impl FnMut(Event)) -> u64 {
+    fn run(&mut self, mesh: &FlatMesh, about: &About, event: &mut impl FnMut(Event)) -> u64 {
         let mut entered = 0;
         while let Some(step) = self.steps.pop() {
             let (entry, low, high, mut asks) = match step {
@@ -210,33 +173,34 @@ impl FanWalk {
                     Want::Some => {}
                 }
             }
-            let FanEdge { cell, first, past, .. } = mesh.edges[entry as usize];
+            let entered_by = mesh.edge(entry);
+            let FlatEdge { cell, first, past, .. } = *entered_by;
             event(Event { ray: low, cell, enters: true });
             entered += 1;
             self.steps.push(Step::Exit(cell, high));
             // Seen from v, the ends of the edges that follow the entry counterclockwise turn from
             // its right end to its left end: first come those not left of `low`.
-            let next = |e: u32| if e + 1 == past { first } else { e + 1 };
+            let next = |e| entered_by.next(e);
             let mut e = next(entry);
             let n = past - first;
-            let mut end = about.ray(&mesh.edges[e as usize]);
+            let mut end = about.ray(mesh.edge(e));
             if n > MANY_EDGES {
                 let after = |k: u32| if entry + k < past { entry + k } else { entry + k - n };
                 let (mut below, mut above) = (0, n - 1);
                 while above - below > 1 {
                     let middle = (below + above) / 2;
-                    if about.is_left(&low, &about.ray(&mesh.edges[after(middle) as usize])) {
+                    if about.is_left(&low, &about.ray(mesh.edge(after(middle)))) {
                         above = middle;
                     } else {
                         below = middle;
                     }
                 }
                 e = after(above);
-                end = about.ray(&mesh.edges[e as usize]);
+                end = about.ray(mesh.edge(e));
             } else {
                 while !about.is_left(&low, &end) {
                     e = next(e);
-                    end = about.ray(&mesh.edges[e as usize]);
+                    end = about.ray(mesh.edge(e));
                 }
             }
             let children = self.steps.len();
@@ -244,8 +208,8 @@ impl FanWalk {
             loop {
                 let inside = about.is_left(&end, &high);
                 let to = if inside { end } else { high };
-                let twin = mesh.edges[e as usize].twin;
-                if twin != u32::MAX {
+                let twin = mesh.edge(e).twin;
+                if twin != WALL {
                     self.steps.push(Step::Enter { entry: twin, low: from, high: to, asks });
                 }
                 if !inside {
@@ -253,7 +217,7 @@ impl FanWalk {
                 }
                 from = to;
                 e = next(e);
-                end = about.ray(&mesh.edges[e as usize]);
+                end = about.ray(mesh.edge(e));
             }
             // The first child is walked first.
             self.steps[children..].reverse();

@@ -22,7 +22,8 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::bits::{SharedBits, SmallSet};
-use super::fan::{Event, FanMesh, FanWalk, Ray, Wanted};
+use super::fan::{Event, FanWalk, Ray, Wanted};
+use super::flat::FlatMesh;
 use super::{Class, Method, Progress, Pvs};
 use crate::cells::{CellGraph, EdgeId};
 use crate::geom::{Side, VertexId};
@@ -61,7 +62,7 @@ struct Plan {
 /// The exact PVS. Uses the current rayon thread pool; the result does not depend on its size.
 pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
     let plan = plan(graph);
-    let mesh = FanMesh::new(graph);
+    let mesh = FlatMesh::new(graph);
     let needed = |g: &&Group| g.covers || g.span != Span::Simple;
     let groups: Vec<&Group> = plan.groups.iter().filter(needed).collect();
     progress.begin(groups.len());
@@ -81,7 +82,7 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
         )
         .sum();
     Pvs {
-        visible: bits.symmetric(),
+        visible: bits.into_matrix().symmetric(),
         method: Method::Sweep,
         class: Class::Exact,
         undecided: 0,
@@ -221,7 +222,7 @@ impl Scratch {
 
 fn about(
     graph: &CellGraph,
-    mesh: &FanMesh,
+    mesh: &FlatMesh,
     plan: &Plan,
     group: &Group,
     scratch: &mut Scratch,
