@@ -86,7 +86,7 @@ fn check(source: &Source, map: Option<&str>) -> Result<(Level, Vec<Finding>)> {
     let mut all = level.findings.clone();
     all.extend(graph.findings.iter().cloned());
     all.extend(findings::of_cells(&level, &graph));
-    all.sort_by(|a, b| b.severity.cmp(&a.severity));
+    all.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok((level, all))
 }
 

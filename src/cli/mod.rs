@@ -5,6 +5,7 @@
 
 mod build;
 mod check;
+mod compute;
 mod level_args;
 mod output;
 mod plan;

@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use tempfile::NamedTempFile;
 
 /// A file in the making.
@@ -27,17 +27,6 @@ enum Sink {
 /// Whether a path means standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
-}
-
-/// Refuses two outputs that go to the same place.
-pub fn must_differ(paths: &[Option<&Path>]) -> Result<()> {
-    let given: Vec<&Path> = paths.iter().flatten().copied().collect();
-    for (i, path) in given.iter().enumerate() {
-        if given[..i].contains(path) {
-            bail!("two outputs go to {}; give them different names", path.display());
-        }
-    }
-    Ok(())
 }
 
 impl Output {

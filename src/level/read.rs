@@ -71,7 +71,7 @@ pub enum ReadError {
         /// File name.
         file: String,
         /// The mistake, with line and column.
-        error: TomlError,
+        error: Box<TomlError>,
     },
     /// A damaged WAD.
     #[error("{file}: {error}")]
@@ -151,7 +151,8 @@ impl Source {
         let file = || self.file.clone();
         match (&self.contents, map) {
             (Contents::Toml(text), None) => {
-                toml::read(text, &self.file).map_err(|error| ReadError::Toml { file: file(), error })
+                toml::read(text, &self.file)
+                    .map_err(|error| ReadError::Toml { file: file(), error: error.into() })
             }
             (Contents::Toml(_), Some(map)) => {
                 Err(ReadError::OneLevel { file: file(), map: map.to_string() })
