@@ -51,7 +51,9 @@
 //! - State. There are no globals and no caches; options come in as one struct per stage.
 
 pub mod cells;
+pub mod cli;
 pub mod geom;
 pub mod level;
 pub mod pvs;
+pub mod report;
 pub mod sight;
