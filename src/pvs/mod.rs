@@ -7,6 +7,7 @@
 
 mod bits;
 mod fan;
+pub mod file;
 pub mod search;
 pub mod sweep;
 
