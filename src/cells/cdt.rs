@@ -38,9 +38,39 @@ pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
         .map(|face| face.vertices().map(|v| VertexId(v.index() as u32)))
         .collect();
     mend(arrangement, &mut triangles).then(|| {
+        order_by_place(arrangement, &mut triangles);
         let polygons: Vec<_> = triangles.iter().map(|t| t.to_vec()).collect();
         join_polygons(arrangement, &polygons)
     })
+}
+
+/// Sorts triangles along a Hilbert curve, so that cells near each other have numbers near each other:
+/// later stages then find them in the cache, and in the same words of a bit row.
+fn order_by_place(arrangement: &Arrangement, triangles: &mut [[VertexId; 3]]) {
+    let point = |v: VertexId| arrangement.vertices.get(v).approx();
+    triangles.sort_by_cached_key(|t| {
+        let middle = t.iter().map(|&v| point(v)).sum::<glam::DVec2>() / 3.0;
+        // The frame centres the level, so coordinates are within ±2^25: 26 bits when positive.
+        let bit = |n: f64| (n + (1u32 << 25) as f64).max(0.0) as u32;
+        (hilbert_index(bit(middle.x), bit(middle.y)), *t)
+    });
+}
+
+/// Position of a point with coordinates below 2^26 along the Hilbert curve.
+fn hilbert_index(mut x: u32, mut y: u32) -> u64 {
+    let mut index = 0;
+    for level in (0..26).rev() {
+        let (right, upper) = (x >> level & 1, y >> level & 1);
+        index = index << 2 | u64::from((3 * right) ^ upper);
+        if upper == 0 {
+            let mask = (1 << level) - 1;
+            if right == 1 {
+                (x, y) = (!x & mask, !y & mask);
+            }
+            (x, y) = (y & mask, x & mask);
+        }
+    }
+    index
 }
 
 /// Flips the long edge of each flat or inverted triangle away; false if some remain. Flat triangles

@@ -10,5 +10,5 @@ mod vertex;
 
 pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
 pub use line::Line;
-pub use predicate::{Side, VertexId, VertexSet, Vertices, orient};
+pub use predicate::{Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

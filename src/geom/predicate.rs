@@ -81,6 +81,15 @@ fn orient_wide(p: &Vertex, q: &Vertex, r: &Vertex) -> Side {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VertexId(pub u32);
 
+/// A vertex with its f64 copy at hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    /// Which vertex.
+    pub id: VertexId,
+    /// Its f64 copy, as of [`Vertices::approx`].
+    pub at: DVec2,
+}
+
 /// A fixed set of exact vertices with f64 copies for the filter.
 #[derive(Clone, Debug, Default)]
 pub struct Vertices {
@@ -139,6 +148,18 @@ impl Vertices {
     /// All exact vertices, in the order of their ids.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Vertex> {
         self.exact.iter()
+    }
+
+    /// The vertex with its f64 copy.
+    #[inline]
+    pub fn placed(&self, id: VertexId) -> Placed {
+        Placed { id, at: self.approx(id) }
+    }
+
+    /// As [`orient`], for vertices at hand.
+    #[inline]
+    pub fn side(&self, p: &Placed, q: &Placed, r: &Placed) -> Side {
+        self.orient_from(p.id, q.id, q.at - p.at, r.id, r.at - p.at)
     }
 
     /// As [`orient`], by id.

@@ -70,6 +70,38 @@ impl BitMatrix {
         self.words.par_iter().map(|w| u64::from(w.count_ones())).sum()
     }
 
+    /// The matrix together with its transpose and the diagonal. O(n²/64), in parallel.
+    pub fn symmetric(self) -> BitMatrix {
+        let (n, stride) = (self.n, self.stride());
+        if n == 0 {
+            return self;
+        }
+        let source = &self.words;
+        let mut words = source.clone();
+        // Blocks of 64 rows, each gathering one column of words of the source.
+        words.par_chunks_mut(64 * stride).enumerate().for_each(|(block, rows)| {
+            for other in 0..stride {
+                let mut square = [0u64; 64];
+                for (k, word) in square.iter_mut().enumerate() {
+                    let i = other * 64 + k;
+                    if i < n {
+                        *word = source[i * stride + block];
+                    }
+                }
+                if square.iter().any(|w| *w != 0) {
+                    transpose(&mut square);
+                    for (row, word) in rows.chunks_mut(stride).zip(square) {
+                        row[other] |= word;
+                    }
+                }
+            }
+            for (k, row) in rows.chunks_mut(stride).enumerate() {
+                row[block] |= 1 << k;
+            }
+        });
+        BitMatrix { n, words }
+    }
+
     /// Whether the matrix equals its transpose.
     pub fn is_symmetric(&self) -> bool {
         (0..self.n).all(|i| self.ones(i).all(|j| self.get(j, i)))
@@ -79,7 +111,7 @@ impl BitMatrix {
 /// The ones of a row of words, ascending.
 pub fn ones(words: &[u64]) -> impl Iterator<Item = usize> + '_ {
     words.iter().enumerate().flat_map(|(i, &word)| {
-        std::iter::successors(Some(word), |w| Some(w & (w - 1)))
+        std::iter::successors(Some(word), |w| Some(w & w.wrapping_sub(1)))
             .take_while(|w| *w != 0)
             .map(move |w| i * 64 + w.trailing_zeros() as usize)
     })
@@ -111,37 +143,9 @@ impl SharedBits {
         });
     }
 
-    /// The matrix together with its transpose and the diagonal.
-    pub fn symmetric(self) -> BitMatrix {
-        let n = self.n;
-        let stride = n.div_ceil(64);
-        let source: Vec<u64> = self.words.into_iter().map(AtomicU64::into_inner).collect();
-        let mut result = BitMatrix { n, words: source.clone() };
-        if n == 0 {
-            return result;
-        }
-        // Blocks of 64 rows, each gathering one column of words of the source.
-        result.words.par_chunks_mut(64 * stride).enumerate().for_each(|(block, rows)| {
-            for other in 0..stride {
-                let mut square = [0u64; 64];
-                for (k, word) in square.iter_mut().enumerate() {
-                    let i = other * 64 + k;
-                    if i < n {
-                        *word = source[i * stride + block];
-                    }
-                }
-                if square.iter().any(|w| *w != 0) {
-                    transpose(&mut square);
-                    for (row, word) in rows.chunks_mut(stride).zip(square) {
-                        row[other] |= word;
-                    }
-                }
-            }
-            for (k, row) in rows.chunks_mut(stride).enumerate() {
-                row[block] |= 1 << k;
-            }
-        });
-        result
+    pub fn into_matrix(self) -> BitMatrix {
+        let words = self.words.into_iter().map(AtomicU64::into_inner).collect();
+        BitMatrix { n: self.n, words }
     }
 }
 
@@ -241,7 +245,7 @@ mod tests {
                 expected.set(i, j);
                 expected.set(j, i);
             }
-            let result = shared.symmetric();
+            let result = shared.into_matrix().symmetric();
             assert_eq!(result, expected, "n = {n}");
             assert!(result.is_symmetric());
             assert_eq!(result.total() as usize, (0..n).map(|i| result.ones(i).count()).sum());

@@ -15,10 +15,15 @@
 //! Why it is sound. A direction of a fan is an open condition: a little to the side, and from a
 //! little beside v, the way is as free.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::bits::{SharedBits, SmallSet};
-use super::fan::{Event, FanWalk};
+use super::fan::{Event, FanWalk, Ray, Wanted};
+use super::flat::FlatMesh;
 use super::{Class, Method, Progress, Pvs};
 use crate::cells::{CellGraph, EdgeId};
 use crate::geom::{Side, VertexId};
@@ -29,12 +34,20 @@ struct Group {
     /// Range of [`Plan::bases`].
     first: u32,
     end: u32,
-    /// Whether they span more than a half turn between walls: then rule 2 applies.
-    wide: bool,
-    /// Whether they go all around, without any wall.
-    ring: bool,
-    /// Whether the fan is needed at all.
-    needed: bool,
+    span: Span,
+    /// Whether rule 1 is applied to some of its cells.
+    covers: bool,
+}
+
+/// The angle that a group takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Span {
+    /// At most a half turn, or all around without any wall: rule 1 is simple, rule 2 adds nothing.
+    Simple,
+    /// More than a half turn between two walls: rule 2 applies.
+    Wide,
+    /// All around a wall's end: rule 2 applies.
+    Full,
 }
 
 /// What is done about which vertex.
@@ -49,7 +62,9 @@ struct Plan {
 /// The exact PVS. Uses the current rayon thread pool; the result does not depend on its size.
 pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
     let plan = plan(graph);
-    let groups: Vec<&Group> = plan.groups.iter().filter(|g| g.needed).collect();
+    let mesh = FlatMesh::new(graph);
+    let needed = |g: &&Group| g.covers || g.span != Span::Simple;
+    let groups: Vec<&Group> = plan.groups.iter().filter(needed).collect();
     progress.begin(groups.len());
     let n = graph.cells.len();
     let bits = SharedBits::new(n);
@@ -60,14 +75,14 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
             || Scratch::new(n),
             |scratch, chunk| {
                 let steps: u64 =
-                    chunk.iter().map(|group| about(graph, &plan, group, scratch, &bits)).sum();
+                    chunk.iter().map(|group| about(graph, &mesh, &plan, group, scratch, &bits)).sum();
                 progress.advance(chunk.len());
                 steps
             },
         )
         .sum();
     Pvs {
-        visible: bits.symmetric(),
+        visible: bits.into_matrix().symmetric(),
         method: Method::Sweep,
         class: Class::Exact,
         undecided: 0,
@@ -104,34 +119,86 @@ fn plan(graph: &CellGraph) -> Plan {
             let ring = !walls_first;
             let vertex = graph.edge(start).origin;
             let (alpha, beta) = (graph.end(start), graph.edge(graph.previous(base)).origin);
-            let wide = !ring
-                && match graph.vertices.orient(vertex, alpha, beta) {
-                    Side::Left => false,
-                    Side::Right => true,
-                    // All around one wall's end, or exactly a half turn.
-                    Side::On => graph.vertices.same_direction(vertex, alpha, beta),
-                };
+            let span = match graph.vertices.orient(vertex, alpha, beta) {
+                _ if ring => Span::Simple,
+                Side::Left => Span::Simple,
+                Side::Right => Span::Wide,
+                Side::On if graph.vertices.same_direction(vertex, alpha, beta) => Span::Full,
+                Side::On => Span::Simple,
+            };
             let end = plan.bases.len() as u32;
-            plan.groups.push(Group { vertex, first, end, wide, ring, needed: wide });
+            plan.groups.push(Group { vertex, first, end, span, covers: false });
         }
     }
+    cover(graph, &mut plan);
+    plan
+}
+
+/// Picks one corner for rule 1 of every cell: greedily, the group that covers most cells for what
+/// its fan costs beyond what is walked anyway.
+fn cover(graph: &CellGraph, plan: &mut Plan) {
     let mut covered = vec![false; graph.cells.len()];
-    let mut others: Vec<usize> = (0..plan.groups.len()).filter(|&g| !plan.groups[g].wide).collect();
-    let size = |group: &Group| group.end - group.first;
-    others.sort_by_key(|&g| std::cmp::Reverse(size(&plan.groups[g])));
-    let wide = (0..plan.groups.len()).filter(|&g| plan.groups[g].wide);
-    for g in wide.chain(others).collect::<Vec<_>>() {
+    let cell_of = |base: EdgeId| graph.edge(base).cell.0 as usize;
+    // Only the choice depends on these numbers, not the result.
+    let value = |group: &Group, bases: &[EdgeId], covered: &[bool]| {
+        let new = bases.iter().filter(|&&b| !covered[cell_of(b)]).count();
+        let direction = |to| graph.vertices.approx(to) - graph.vertices.approx(group.vertex);
+        let first = direction(graph.end(bases[0]));
+        let last = direction(graph.edge(graph.previous(*bases.last().unwrap())).origin);
+        let between = first.angle_to(last).rem_euclid(TAU);
+        let extra = match group.span {
+            Span::Full => 0.0,
+            Span::Wide => TAU - between,
+            Span::Simple if between > 0.0 => between,
+            Span::Simple => TAU,
+        };
+        new as f64 / (extra + 0.1)
+    };
+    let bases_of = |group: &Group| group.first as usize..group.end as usize;
+    let mut queue: BinaryHeap<(Value, Reverse<usize>)> = (0..plan.groups.len())
+        .map(|g| {
+            let group = &plan.groups[g];
+            (Value(value(group, &plan.bases[bases_of(group)], &covered)), Reverse(g))
+        })
+        .collect();
+    // Values only fall as cells get covered, so the first whose value still holds is the best.
+    while let Some((Value(old), Reverse(g))) = queue.pop() {
         let group = &mut plan.groups[g];
-        for i in group.first..group.end {
-            let cell = &mut covered[graph.edge(plan.bases[i as usize]).cell.0 as usize];
-            if !*cell {
-                *cell = true;
-                plan.covers[i as usize] = true;
-                group.needed = true;
+        let range = bases_of(group);
+        let now = value(group, &plan.bases[range.clone()], &covered);
+        if now < old {
+            if now > 0.0 {
+                queue.push((Value(now), Reverse(g)));
+            }
+            continue;
+        }
+        for i in range {
+            let cell = cell_of(plan.bases[i]);
+            if !covered[cell] {
+                covered[cell] = true;
+                plan.covers[i] = true;
+                group.covers = true;
             }
         }
     }
-    plan
+}
+
+/// A number ordered by size.
+#[derive(PartialEq)]
+struct Value(f64);
+
+impl Eq for Value {}
+
+impl Ord for Value {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Value {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 /// Room for the sweep about one vertex after the other.
@@ -155,6 +222,7 @@ impl Scratch {
 
 fn about(
     graph: &CellGraph,
+    mesh: &FlatMesh,
     plan: &Plan,
     group: &Group,
     scratch: &mut Scratch,
@@ -165,10 +233,10 @@ fn about(
     let covers = &plan.covers[range];
     let cell_of = |base: EdgeId| graph.edge(base).cell.0;
     let chosen = bases.iter().zip(covers).filter(|(_, chosen)| **chosen).map(|(&base, _)| base);
-    if !group.wide {
+    if group.span == Span::Simple {
         // Rule 1: every cell of the group sees all of the fan.
         let Scratch { walk, ahead: seen, .. } = scratch;
-        let steps = walk.walk(graph, group.vertex, bases, |event| {
+        let steps = walk.walk(mesh, group.vertex, bases, Wanted::All, |event| {
             if event.enters {
                 seen.insert(event.cell);
             }
@@ -177,10 +245,21 @@ fn about(
         seen.clear();
         return steps;
     }
-    debug_assert!(!group.ring);
+    // Rule 2 needs only directions with an opposite one; rule 1 may need all.
+    let wanted = if group.covers || group.span == Span::Full {
+        Wanted::All
+    } else {
+        let origin = graph.vertices.approx(group.vertex);
+        let ray = |to| Ray { to, d: graph.vertices.approx(to) - origin };
+        let last = graph.previous(bases[bases.len() - 1]);
+        Wanted::Opposable {
+            first: ray(graph.end(bases[0])),
+            last: ray(graph.edge(last).origin),
+        }
+    };
     scratch.events.clear();
     let Scratch { walk, events, .. } = scratch;
-    let steps = walk.walk(graph, group.vertex, bases, |event| events.push(event));
+    let steps = walk.walk(mesh, group.vertex, bases, wanted, |event| events.push(event));
     for base in chosen {
         see_ahead(graph, group.vertex, base, scratch, bits);
     }

@@ -6,32 +6,13 @@
 //! a right end later. What a new portal can still change is held by two hulls, of left and of right
 //! ends, so that adding one takes amortised constant time, and undoing it constant time.
 
-use glam::DVec2;
-
-use crate::geom::{Side, VertexId, Vertices};
+use crate::geom::{Placed, Side, Vertices};
 
 /// A directed line through two vertices.
 #[derive(Clone, Copy, Debug)]
 struct Through {
-    from: VertexId,
-    to: VertexId,
-    origin: DVec2,
-    d: DVec2,
-}
-
-impl Through {
-    fn new(vertices: &Vertices, from: VertexId, to: VertexId) -> Self {
-        let origin = vertices.approx(from);
-        Self { from, to, origin, d: vertices.approx(to) - origin }
-    }
-
-    #[inline]
-    fn side(&self, vertices: &Vertices, p: VertexId) -> Side {
-        if p == self.from || p == self.to {
-            return Side::On;
-        }
-        vertices.orient_from(self.from, self.to, self.d, p, vertices.approx(p) - self.origin)
-    }
+    from: Placed,
+    to: Placed,
 }
 
 impl Through {
@@ -39,9 +20,11 @@ impl Through {
     /// on that side, or on the line but before its second end. (Up to there the lines have not
     /// crossed the extreme one for good; the right end of a portal in line with it lies there.)
     #[inline]
-    fn passes(&self, vertices: &Vertices, p: VertexId, wanted: Side) -> bool {
-        match self.side(vertices, p) {
-            Side::On => p != self.to && vertices.same_direction(self.to, self.from, p),
+    fn passes(&self, vertices: &Vertices, p: &Placed, wanted: Side) -> bool {
+        match vertices.side(&self.from, &self.to, p) {
+            Side::On => {
+                p.id != self.to.id && vertices.same_direction(self.to.id, self.from.id, p.id)
+            }
             side => side == wanted,
         }
     }
@@ -51,7 +34,7 @@ impl Through {
 /// is the point that an extreme line touches.
 #[derive(Clone, Debug, Default)]
 struct Hull {
-    points: Vec<VertexId>,
+    points: Vec<Placed>,
     start: u32,
     end: u32,
 }
@@ -63,11 +46,11 @@ struct HullUndo {
     end: u32,
     /// Where the point was put, and what stood there; `u32::MAX` if nothing did.
     position: u32,
-    overwritten: VertexId,
+    overwritten: Placed,
 }
 
 impl Hull {
-    fn reset(&mut self, p: VertexId) {
+    fn reset(&mut self, p: Placed) {
         self.points.clear();
         self.points.push(p);
         (self.start, self.end) = (0, 1);
@@ -78,23 +61,23 @@ impl Hull {
             start: self.start,
             end: self.end,
             position: u32::MAX,
-            overwritten: VertexId(0),
+            overwritten: self.points[0],
         }
     }
 
-    fn first(&self) -> VertexId {
+    fn first(&self) -> Placed {
         self.points[self.start as usize]
     }
 
     /// Adds a point, dropping those before it that no longer bulge: a chain of left ends turns left
     /// at each of its points, one of right ends right.
-    fn push(&mut self, vertices: &Vertices, p: VertexId, turn: Side, undo: &mut HullUndo) {
+    fn push(&mut self, vertices: &Vertices, p: Placed, turn: Side, undo: &mut HullUndo) {
         let mut end = self.end as usize;
-        if self.points[end - 1] == p {
+        if self.points[end - 1].id == p.id {
             return;
         }
         while end - self.start as usize >= 2
-            && vertices.orient(self.points[end - 2], self.points[end - 1], p) != turn
+            && vertices.side(&self.points[end - 2], &self.points[end - 1], &p) != turn
         {
             end -= 1;
         }
@@ -109,11 +92,11 @@ impl Hull {
 
     /// Moves `start` to the point in which the line from the hull to `p` touches it; `beyond` is the
     /// side of that line on which no point of the hull may lie.
-    fn touch(&mut self, vertices: &Vertices, p: VertexId, beyond: Side) {
+    fn touch(&mut self, vertices: &Vertices, p: Placed, beyond: Side) {
         while self.start + 1 < self.end {
             let start = self.start as usize;
-            let (a, b) = (self.points[start], self.points[start + 1]);
-            let side = vertices.orient(a, p, b);
+            let (a, b) = (&self.points[start], &self.points[start + 1]);
+            let side = vertices.side(a, &p, b);
             if side != beyond && side != Side::On {
                 break;
             }
@@ -161,7 +144,7 @@ impl Seen {
 
 impl Funnel {
     /// Starts a chain with the portal from `right` to `left`, as seen along the chain.
-    pub fn begin(&mut self, left: VertexId, right: VertexId) {
+    pub fn begin(&mut self, left: Placed, right: Placed) {
         self.left.reset(left);
         self.right.reset(right);
         self.lines.clear();
@@ -172,7 +155,7 @@ impl Funnel {
     /// between them, then left of both; so the one before tells which line to ask. With one portal
     /// in the chain, there are no lines yet, and all is within.
     #[inline]
-    pub fn next_seen(&self, vertices: &Vertices, before: Seen, p: VertexId) -> Seen {
+    pub fn next_seen(&self, vertices: &Vertices, before: Seen, p: &Placed) -> Seen {
         let Some((ccw, cw)) = self.lines.last() else { return Seen::WITHIN };
         if !before.inside_right && !cw.passes(vertices, p, Side::Left) {
             return before;
@@ -186,14 +169,21 @@ impl Funnel {
         Seen { inside_left: true, inside_right: self.lines.is_empty() }
     }
 
+    /// Whether a portal in the cell beyond the last one lets all stabbing lines through and touches
+    /// none: then adding it changes nothing, and no further edge of the cell meets any.
+    #[inline]
+    pub fn passes_all(&self, left: Seen, right: Seen) -> bool {
+        right.inside_left && !right.inside_right && left.inside_right && !left.inside_left
+    }
+
     /// Adds a portal in the same cell as the last one, its ends with how they are seen; `None` if no
     /// line stabs the longer chain, which then stays as it was.
     #[inline]
     pub fn extend(
         &mut self,
         vertices: &Vertices,
-        left: (VertexId, Seen),
-        right: (VertexId, Seen),
+        left: (Placed, Seen),
+        right: (Placed, Seen),
     ) -> Option<Undo> {
         let ((left, left_seen), (right, right_seen)) = (left, right);
         if !left_seen.inside_right || !right_seen.inside_left {
@@ -204,13 +194,13 @@ impl Funnel {
             // Two portals of one convex cell: unless they lie in line, every pair of inner points
             // is a stabbing line.
             let (first_right, first_left) = (self.right.first(), self.left.first());
-            let beyond = |p| vertices.orient(first_right, first_left, p) != Side::On;
-            if !beyond(left) && !beyond(right) {
+            let beyond = |p| vertices.side(&first_right, &first_left, p) != Side::On;
+            if !beyond(&left) && !beyond(&right) {
                 return None;
             }
             self.lines.push((
-                Through::new(vertices, first_right, left),
-                Through::new(vertices, first_left, right),
+                Through { from: first_right, to: left },
+                Through { from: first_left, to: right },
             ));
             self.left.push(vertices, left, Side::Left, &mut undo.left);
             self.right.push(vertices, right, Side::Right, &mut undo.right);
@@ -219,11 +209,11 @@ impl Funnel {
         let (mut new_ccw, mut new_cw) = (ccw, cw);
         if left_seen.inside_left {
             self.right.touch(vertices, left, Side::Left);
-            new_ccw = Through::new(vertices, self.right.first(), left);
+            new_ccw = Through { from: self.right.first(), to: left };
         }
         if right_seen.inside_right {
             self.left.touch(vertices, right, Side::Right);
-            new_cw = Through::new(vertices, self.left.first(), right);
+            new_cw = Through { from: self.left.first(), to: right };
         }
         if left_seen.inside_left {
             self.left.push(vertices, left, Side::Left, &mut undo.left);
@@ -233,6 +223,14 @@ impl Funnel {
         }
         self.lines.push((new_ccw, new_cw));
         Some(undo)
+    }
+
+    /// Whether all stabbing lines lead left (towards smaller x) by at least a grid step between the
+    /// vertices that bound them; never true without being certain, as copies are off by far less.
+    #[inline]
+    pub fn leads_left(&self) -> bool {
+        let left = |line: &Through| line.to.at.x - line.from.at.x <= -1.0;
+        self.lines.last().is_some_and(|(ccw, cw)| left(ccw) && left(cw))
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.
