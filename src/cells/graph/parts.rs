@@ -34,7 +34,12 @@ impl Cell {
         sector: Option<SectorId>,
         also: Vec<SectorId>,
     ) -> Self {
-        Self { first_edge, n_edges, sector, also }
+        Self {
+            first_edge,
+            n_edges,
+            sector,
+            also,
+        }
     }
 
     /// Number of its edges.
@@ -45,12 +50,7 @@ impl Cell {
 
 impl Edge {
     /// An edge; `twin` and `wall` as their namesakes return them.
-    pub fn new(
-        origin: VertexId,
-        cell: CellId,
-        twin: Option<EdgeId>,
-        wall: Option<WallId>,
-    ) -> Self {
+    pub fn new(origin: VertexId, cell: CellId, twin: Option<EdgeId>, wall: Option<WallId>) -> Self {
         Self {
             origin,
             cell,
@@ -83,14 +83,29 @@ impl CellGraph {
         check_edges(vertices.len(), &edges)?;
         check_portals(&edges, &portals)?;
         let vertices = Vertices::new(vertices);
-        Ok(Self { grid, options, vertices, cells, edges, portals, cost, findings: Vec::new() })
+        Ok(Self {
+            grid,
+            options,
+            vertices,
+            cells,
+            edges,
+            portals,
+            cost,
+            findings: Vec::new(),
+        })
     }
 }
 
 fn check_cells(cells: &[Cell], edges: &[Edge]) -> Result<(), PartsError> {
     let mut next = 0usize;
     for (index, cell) in cells.iter().enumerate() {
-        let wrong = |what| Err(PartsError { part: "cell", index, what });
+        let wrong = |what| {
+            Err(PartsError {
+                part: "cell",
+                index,
+                what,
+            })
+        };
         if cell.n_edges < 3 {
             return wrong("has fewer than three edges");
         }
@@ -107,14 +122,24 @@ fn check_cells(cells: &[Cell], edges: &[Edge]) -> Result<(), PartsError> {
     }
     if next != edges.len() {
         let what = "is followed by edges without a cell";
-        return Err(PartsError { part: "cell", index: cells.len().saturating_sub(1), what });
+        return Err(PartsError {
+            part: "cell",
+            index: cells.len().saturating_sub(1),
+            what,
+        });
     }
     Ok(())
 }
 
 fn check_edges(n_vertices: usize, edges: &[Edge]) -> Result<(), PartsError> {
     for (index, edge) in edges.iter().enumerate() {
-        let wrong = |what| Err(PartsError { part: "edge", index, what });
+        let wrong = |what| {
+            Err(PartsError {
+                part: "edge",
+                index,
+                what,
+            })
+        };
         if edge.origin.0 as usize >= n_vertices {
             return wrong("starts at a vertex that does not exist");
         }
@@ -139,12 +164,20 @@ fn check_portals(edges: &[Edge], portals: &[Portal]) -> Result<(), PartsError> {
     for (index, portal) in portals.iter().enumerate() {
         if expected.next() != Some(portal.edges) {
             let what = "does not join the next pair of twin edges";
-            return Err(PartsError { part: "portal", index, what });
+            return Err(PartsError {
+                part: "portal",
+                index,
+                what,
+            });
         }
     }
     if expected.next().is_some() {
         let what = "is missing: a pair of twin edges has none";
-        return Err(PartsError { part: "portal", index: portals.len(), what });
+        return Err(PartsError {
+            part: "portal",
+            index: portals.len(),
+            what,
+        });
     }
     Ok(())
 }

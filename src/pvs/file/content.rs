@@ -53,16 +53,28 @@ pub(super) fn read(sections: &Sections) -> Result<PvsFile, FileError> {
     // bounds its size.
     graph.validate().map_err(FileError::Cells)?;
     let visible = read_visible(sections, n_cells)?;
-    let pvs = Pvs { visible, ..head.pvs };
+    let pvs = Pvs {
+        visible,
+        ..head.pvs
+    };
     pvs.validate(&graph).map_err(FileError::Visible)?;
-    Ok(PvsFile { info: head.info, graph, pvs })
+    Ok(PvsFile {
+        info: head.info,
+        graph,
+        pvs,
+    })
 }
 
 fn write_info(info: &LevelInfo, graph: &CellGraph, pvs: &Pvs) -> Vec<u8> {
     let mut out = Vec::new();
     let also: usize = graph.cells.iter().map(|c| c.also.len()).sum();
-    let counts =
-        [graph.vertices.len(), graph.cells.len(), graph.edges.len(), graph.portals.len(), also];
+    let counts = [
+        graph.vertices.len(),
+        graph.cells.len(),
+        graph.edges.len(),
+        graph.portals.len(),
+        also,
+    ];
     for n in counts {
         out.extend((n as u32).to_le_bytes());
     }
@@ -118,14 +130,22 @@ struct Head {
 impl Head {
     fn read(sections: &Sections) -> Result<Self, FileError> {
         let content = sections.content("INFO", Expected::AtMost(INFO_LIMIT))?;
-        let mut reader = Reader { tag: "INFO", rest: &content };
+        let mut reader = Reader {
+            tag: "INFO",
+            rest: &content,
+        };
         let mut counts = [0; 5];
         for n in &mut counts {
             *n = reader.u32()?;
         }
         let [vertices, walls, sectors, fingerprint] =
             [reader.u32()?, reader.u32()?, reader.u32()?, reader.u32()?];
-        let value = |part, what| FileError::Value { tag: "INFO", part, index: 0, what };
+        let value = |part, what| FileError::Value {
+            tag: "INFO",
+            part,
+            index: 0,
+            what,
+        };
         let (kind, k) = (reader.u32()?, reader.i32()?);
         let step = match kind {
             _ if k.unsigned_abs() > STEP_LIMIT as u32 => {
@@ -139,7 +159,10 @@ impl Head {
         if flags > 1 {
             return Err(value("flag", "is unknown"));
         }
-        let grid = Grid { step, origin: [reader.i64()?, reader.i64()?] };
+        let grid = Grid {
+            step,
+            origin: [reader.i64()?, reader.i64()?],
+        };
         let snap = reader.f64()?;
         let (undecided, steps) = (reader.u64()?, reader.u64()?);
         let cost = Cost {
@@ -151,20 +174,32 @@ impl Head {
         let mut names: [String; 7] = Default::default();
         for (index, name) in names.iter_mut().enumerate() {
             let length = reader.u32()? as usize;
-            let text = std::str::from_utf8(reader.take(length)?).map_err(|_| {
-                FileError::Value { tag: "INFO", part: "string", index, what: "is no UTF-8" }
+            let text = std::str::from_utf8(reader.take(length)?).map_err(|_| FileError::Value {
+                tag: "INFO",
+                part: "string",
+                index,
+                what: "is no UTF-8",
             })?;
             *name = text.to_string();
         }
         reader.finish()?;
         let [name, source, unit, subdivision, method, class, doors] = names;
         let options = Options {
-            subdivision: known("subdivision", subdivision, &Subdivision::ALL, |s| s.as_str())?,
-            doors: known("doors", doors, &[Doors::Open, Doors::Closed], |d| d.as_str())?,
+            subdivision: known("subdivision", subdivision, &Subdivision::ALL, |s| {
+                s.as_str()
+            })?,
+            doors: known("doors", doors, &[Doors::Open, Doors::Closed], |d| {
+                d.as_str()
+            })?,
             ..Options::default()
         };
         let methods = [Method::Sweep, Method::Search];
-        let classes = [Class::Exact, Class::Conservative, Class::Aggressive, Class::Approximate];
+        let classes = [
+            Class::Exact,
+            Class::Conservative,
+            Class::Aggressive,
+            Class::Approximate,
+        ];
         let pvs = Pvs {
             visible: BitMatrix::new(0),
             method: known("method", method, &methods, |m| m.as_str())?,
@@ -172,9 +207,24 @@ impl Head {
             undecided,
             steps,
         };
-        let info =
-            LevelInfo { name, source, unit, snap, vertices, walls, sectors, fingerprint };
-        Ok(Self { counts, info, grid, options, cost, pvs })
+        let info = LevelInfo {
+            name,
+            source,
+            unit,
+            snap,
+            vertices,
+            walls,
+            sectors,
+            fingerprint,
+        };
+        Ok(Self {
+            counts,
+            info,
+            grid,
+            options,
+            cost,
+            pvs,
+        })
     }
 }
 
@@ -191,7 +241,10 @@ fn known<T: Copy>(
 
 fn write_coordinates(graph: &CellGraph) -> Vec<u8> {
     let points = graph.vertices.iter().map(|v| v.to_level(&graph.grid));
-    points.flat_map(|p| [p.x, p.y]).flat_map(f64::to_le_bytes).collect()
+    points
+        .flat_map(|p| [p.x, p.y])
+        .flat_map(f64::to_le_bytes)
+        .collect()
 }
 
 fn write_vertices(graph: &CellGraph) -> Vec<u8> {
@@ -207,11 +260,19 @@ fn write_vertices(graph: &CellGraph) -> Vec<u8> {
 /// The vertices, each in lowest terms, on the grid, and of the widths that the predicates are proved
 /// for.
 fn read_vertices(content: &[u8]) -> Result<Vec<Vertex>, FileError> {
-    let mut reader = Reader { tag: "EXAC", rest: content };
+    let mut reader = Reader {
+        tag: "EXAC",
+        rest: content,
+    };
     let mut vertices = Vec::with_capacity(content.len() / 40);
     for index in 0..content.len() / 40 {
         let (x, y, w) = (reader.i128()?, reader.i128()?, reader.i64()?);
-        let wrong = |what| FileError::Value { tag: "EXAC", part: "vertex", index, what };
+        let wrong = |what| FileError::Value {
+            tag: "EXAC",
+            part: "vertex",
+            index,
+            what,
+        };
         if w <= 0 || w >= W_LIMIT {
             return Err(wrong("has an impossible w"));
         }
@@ -230,7 +291,12 @@ fn write_cells(graph: &CellGraph) -> Vec<u8> {
     for id in graph.cell_ids() {
         let (range, cell) = (graph.edge_range(id), graph.cell(id));
         let sector = cell.sector.map_or(u32::MAX, |s| s.0);
-        for n in [range.start, range.end - range.start, sector, cell.also.len() as u32] {
+        for n in [
+            range.start,
+            range.end - range.start,
+            sector,
+            cell.also.len() as u32,
+        ] {
             out.extend(n.to_le_bytes());
         }
     }
@@ -243,8 +309,14 @@ fn write_also(graph: &CellGraph) -> Vec<u8> {
 }
 
 fn read_cells(content: &[u8], also: &[u8], n_sectors: u32) -> Result<Vec<Cell>, FileError> {
-    let mut reader = Reader { tag: "CELL", rest: content };
-    let mut others = Reader { tag: "ALSO", rest: also };
+    let mut reader = Reader {
+        tag: "CELL",
+        rest: content,
+    };
+    let mut others = Reader {
+        tag: "ALSO",
+        rest: also,
+    };
     let mut cells = Vec::with_capacity(content.len() / 16);
     for index in 0..content.len() / 16 {
         let (first, n) = (reader.u32()?, reader.u32()?);
@@ -254,7 +326,12 @@ fn read_cells(content: &[u8], also: &[u8], n_sectors: u32) -> Result<Vec<Cell>, 
         let mut sectors = sector.iter().copied().chain(also.iter().map(|s| s.0));
         if sectors.any(|s| s >= n_sectors) {
             let what = "lies in a sector that the level does not have";
-            return Err(FileError::Value { tag: "CELL", part: "cell", index, what });
+            return Err(FileError::Value {
+                tag: "CELL",
+                part: "cell",
+                index,
+                what,
+            });
         }
         cells.push(Cell::new(first, n, sector.map(SectorId), also));
     }
@@ -275,21 +352,34 @@ fn write_edges(graph: &CellGraph) -> Vec<u8> {
 }
 
 fn read_edges(content: &[u8], cells: &[Cell], n_walls: u32) -> Result<Vec<Edge>, FileError> {
-    let mut reader = Reader { tag: "EDGE", rest: content };
+    let mut reader = Reader {
+        tag: "EDGE",
+        rest: content,
+    };
     let n = content.len() / 12;
     let mut edges = Vec::with_capacity(n);
     // A file's edges follow the cells' order; whether their numbers agree is asked by `from_parts`.
-    let mut owners = (0u32..).zip(cells).flat_map(|(i, cell)| {
-        std::iter::repeat_n(CellId(i), cell.n_edges() as usize)
-    });
+    let mut owners = (0u32..)
+        .zip(cells)
+        .flat_map(|(i, cell)| std::iter::repeat_n(CellId(i), cell.n_edges() as usize));
     for index in 0..n {
         let (origin, twin, wall) = (reader.u32()?, reader.option()?, reader.option()?);
-        let wrong = |what| FileError::Value { tag: "EDGE", part: "edge", index, what };
+        let wrong = |what| FileError::Value {
+            tag: "EDGE",
+            part: "edge",
+            index,
+            what,
+        };
         let cell = owners.next().ok_or_else(|| wrong("belongs to no cell"))?;
         if wall.is_some_and(|w| w >= n_walls) {
             return Err(wrong("lies on a wall that the level does not have"));
         }
-        edges.push(Edge::new(VertexId(origin), cell, twin.map(EdgeId), wall.map(WallId)));
+        edges.push(Edge::new(
+            VertexId(origin),
+            cell,
+            twin.map(EdgeId),
+            wall.map(WallId),
+        ));
     }
     Ok(edges)
 }
@@ -300,7 +390,9 @@ fn write_portals(graph: &CellGraph) -> Vec<u8> {
         for edge in portal.edges {
             out.extend(edge.0.to_le_bytes());
         }
-        let widest = portal.widest.map_or([None; 2], |(low, high)| [Some(low), Some(high)]);
+        let widest = portal
+            .widest
+            .map_or([None; 2], |(low, high)| [Some(low), Some(high)]);
         for z in [portal.bottom, portal.top, widest[0], widest[1]] {
             out.extend(z.unwrap_or(f64::NAN).to_le_bytes());
         }
@@ -309,7 +401,10 @@ fn write_portals(graph: &CellGraph) -> Vec<u8> {
 }
 
 fn read_portals(content: &[u8]) -> Result<Vec<Portal>, FileError> {
-    let mut reader = Reader { tag: "PORT", rest: content };
+    let mut reader = Reader {
+        tag: "PORT",
+        rest: content,
+    };
     let mut portals = Vec::with_capacity(content.len() / 40);
     for index in 0..content.len() / 40 {
         let edges = [EdgeId(reader.u32()?), EdgeId(reader.u32()?)];
@@ -320,9 +415,19 @@ fn read_portals(content: &[u8]) -> Result<Vec<Portal>, FileError> {
         let [bottom, top, low, high] = heights;
         if low.is_some() != high.is_some() {
             let what = "has half an opening at its widest";
-            return Err(FileError::Value { tag: "PORT", part: "portal", index, what });
+            return Err(FileError::Value {
+                tag: "PORT",
+                part: "portal",
+                index,
+                what,
+            });
         }
-        portals.push(Portal { edges, bottom, top, widest: low.zip(high) });
+        portals.push(Portal {
+            edges,
+            bottom,
+            top,
+            widest: low.zip(high),
+        });
     }
     Ok(portals)
 }
@@ -352,13 +457,21 @@ fn read_visible(sections: &Sections, n_cells: u32) -> Result<BitMatrix, FileErro
     let (whole, part) = (n / 8, n % 8);
     let bytes = 4 * whole * (whole + 1) + part * (whole + 1);
     let content = sections.content("VISI", Expected::Exactly(bytes))?;
-    let mut reader = Reader { tag: "VISI", rest: &content };
+    let mut reader = Reader {
+        tag: "VISI",
+        rest: &content,
+    };
     let n = n_cells as usize;
     let mut visible = BitMatrix::new(n);
     for i in 0..n {
         let row = reader.take(row_bytes(i))?;
         let last = row[row.len() - 1];
-        let wrong = |what| FileError::Value { tag: "VISI", part: "row", index: i, what };
+        let wrong = |what| FileError::Value {
+            tag: "VISI",
+            part: "row",
+            index: i,
+            what,
+        };
         // Bit i is the highest one of the row.
         match u32::from(last).checked_ilog2() {
             Some(highest) if highest as usize == i % 8 => {}

@@ -149,7 +149,11 @@ fn fingerprint(level: &Level) -> u32 {
             WallKind::Edge { shut } => 2 + u8::from(*shut),
             WallKind::Opening(opening) => 4 + u8::from(opening.shut),
         }]);
-        let ids = [wall.left.map(|s| s.0), wall.right.map(|s| s.0), wall.outline.map(|o| o.0)];
+        let ids = [
+            wall.left.map(|s| s.0),
+            wall.right.map(|s| s.0),
+            wall.outline.map(|o| o.0),
+        ];
         for id in ids {
             hasher.update(&id.unwrap_or(u32::MAX).to_le_bytes());
         }
@@ -193,7 +197,9 @@ pub fn encode(info: &LevelInfo, graph: &CellGraph, pvs: &Pvs) -> Vec<u8> {
 
 fn compress(content: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-    encoder.write_all(content).expect("writing to memory does not fail");
+    encoder
+        .write_all(content)
+        .expect("writing to memory does not fail");
     encoder.finish().expect("writing to memory does not fail")
 }
 

@@ -29,14 +29,22 @@ impl<'a> Sections<'a> {
         let size = bytes.len();
         let begin = &bytes[..size.min(MAGIC.len())];
         if begin != &MAGIC[..begin.len()] || begin.is_empty() {
-            return Err(FileError::Foreign { found: begin.escape_ascii().to_string() });
+            return Err(FileError::Foreign {
+                found: begin.escape_ascii().to_string(),
+            });
         }
         let least = (HEADER + TRAILER) as u64;
         let cut_off = |expected| FileError::CutOff { size, expected };
-        let mut header = Reader { tag: "header", rest: &bytes[begin.len()..] };
+        let mut header = Reader {
+            tag: "header",
+            rest: &bytes[begin.len()..],
+        };
         let version = header.u32().map_err(|_| cut_off(least))?;
         if version != VERSION {
-            return Err(FileError::Version { found: version, known: VERSION });
+            return Err(FileError::Version {
+                found: version,
+                known: VERSION,
+            });
         }
         let n_sections = header.u32().map_err(|_| cut_off(least))?;
         let expected = header.u64().map_err(|_| cut_off(least))?;
@@ -47,12 +55,19 @@ impl<'a> Sections<'a> {
             return Err(FileError::TooLong { size, expected });
         }
         let (covered, trailer) = bytes.split_at(size - TRAILER);
-        let found = Reader { tag: "trailer", rest: trailer }.u32()?;
+        let found = Reader {
+            tag: "trailer",
+            rest: trailer,
+        }
+        .u32()?;
         let computed = crc32fast::hash(covered);
         if found != computed {
             return Err(FileError::Checksum { found, computed });
         }
-        let mut rest = Reader { tag: "header", rest: &covered[HEADER..] };
+        let mut rest = Reader {
+            tag: "header",
+            rest: &covered[HEADER..],
+        };
         let mut list = Vec::new();
         for _ in 0..n_sections {
             list.push(Stored::next(&mut rest)?);
@@ -67,7 +82,9 @@ impl<'a> Sections<'a> {
     /// is not known, at most `limit`.
     pub fn content(&self, tag: &'static str, expected: Expected) -> Result<Vec<u8>, FileError> {
         let of_tag = || self.list.iter().filter(|s| s.tag == tag.as_bytes());
-        let stored = of_tag().next().ok_or_else(|| wrong(tag.as_bytes(), "is missing"))?;
+        let stored = of_tag()
+            .next()
+            .ok_or_else(|| wrong(tag.as_bytes(), "is missing"))?;
         let fits = match expected {
             Expected::Exactly(n) => stored.length == n,
             Expected::AtMost(n) => stored.length <= n,
@@ -110,19 +127,28 @@ impl<'a> Stored<'a> {
         let mut content = Vec::new();
         let mut decoder = flate2::read::ZlibDecoder::new(self.data);
         // One byte more than is said, to notice when there are more.
-        let result = decoder.by_ref().take(self.length.saturating_add(1)).read_to_end(&mut content);
+        let result = decoder
+            .by_ref()
+            .take(self.length.saturating_add(1))
+            .read_to_end(&mut content);
         if result.is_err() {
             return Err(wrong(&self.tag, "is no proper zlib stream"));
         }
         if content.len() as u64 != self.length || decoder.total_in() != self.data.len() as u64 {
-            return Err(wrong(&self.tag, "holds another amount of data than it says"));
+            return Err(wrong(
+                &self.tag,
+                "holds another amount of data than it says",
+            ));
         }
         Ok(content)
     }
 }
 
 fn wrong(tag: &[u8], what: &'static str) -> FileError {
-    FileError::Section { tag: tag.escape_ascii().to_string(), what }
+    FileError::Section {
+        tag: tag.escape_ascii().to_string(),
+        what,
+    }
 }
 
 /// Takes numbers off the front of a section's content.

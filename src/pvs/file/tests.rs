@@ -9,14 +9,27 @@ use crate::level::{Level, doom, snap, toml, wad};
 use crate::pvs::{Progress, sweep};
 
 fn sample(name: &str) -> Level {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("levels")
+        .join(name);
     toml::read(&std::fs::read_to_string(path).unwrap(), name).unwrap()
 }
 
 fn built(level: &Level, subdivision: Subdivision, doors: Doors) -> PvsFile {
-    let graph = subdivide(level, &Options { subdivision, doors, ..Options::default() });
+    let graph = subdivide(
+        level,
+        &Options {
+            subdivision,
+            doors,
+            ..Options::default()
+        },
+    );
     let pvs = sweep::sweep(&graph, &Progress::default());
-    PvsFile { info: LevelInfo::of(level), graph, pvs }
+    PvsFile {
+        info: LevelInfo::of(level),
+        graph,
+        pvs,
+    }
 }
 
 fn bytes_of(file: &PvsFile) -> Vec<u8> {
@@ -24,8 +37,13 @@ fn bytes_of(file: &PvsFile) -> Vec<u8> {
 }
 
 /// The tiny sample level's file.
-static TINY: LazyLock<Vec<u8>> =
-    LazyLock::new(|| bytes_of(&built(&sample("tiny.toml"), Subdivision::Cdt, Doors::Closed)));
+static TINY: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    bytes_of(&built(
+        &sample("tiny.toml"),
+        Subdivision::Cdt,
+        Doors::Closed,
+    ))
+});
 
 /// The same bytes with another checksum, so that what lies behind it is reached.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
@@ -96,7 +114,9 @@ fn every_sample_level_comes_back_as_it_was() {
 /// Needs the Debian package `freedoom`; does nothing without it.
 #[test]
 fn doom_maps_come_back_as_they_were() {
-    let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else { return };
+    let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else {
+        return;
+    };
     let wad = wad::Wad::parse(bytes).unwrap();
     for map in ["E1M1", "E1M2", "E1M8", "E3M6"] {
         let level = snap::snap(doom::read_map(&wad, map, "freedoom1.wad").unwrap()).unwrap();
@@ -140,29 +160,47 @@ fn every_flipped_bit_is_noticed() {
 
 #[test]
 fn foreign_files_are_named_as_such() {
-    for bytes in [&b"PWAD\0\0\0\0"[..], b"\x89PNG\r\n\x1a\n", b"{\"format\":", b"", b"\x89PVS\n\x1a\n"] {
+    for bytes in [
+        &b"PWAD\0\0\0\0"[..],
+        b"\x89PNG\r\n\x1a\n",
+        b"{\"format\":",
+        b"",
+        b"\x89PVS\n\x1a\n",
+    ] {
         let error = decode(bytes).unwrap_err();
         assert!(matches!(error, FileError::Foreign { .. }), "{error}");
     }
     let mut newer = TINY.clone();
     newer[8] = 2;
-    assert_eq!(decode(&sealed(newer)).unwrap_err(), FileError::Version { found: 2, known: 1 });
+    assert_eq!(
+        decode(&sealed(newer)).unwrap_err(),
+        FileError::Version { found: 2, known: 1 }
+    );
 }
 
 #[test]
 fn sections_of_unknown_tags_are_skipped_and_missing_ones_missed() {
     let mut sections = tiny_sections();
     sections.push((*b"XTRA", b"what a later version adds".to_vec()));
-    assert_eq!(decode(&envelope(&sections)).unwrap().pvs, decode(&TINY).unwrap().pvs);
+    assert_eq!(
+        decode(&envelope(&sections)).unwrap().pvs,
+        decode(&TINY).unwrap().pvs
+    );
     for i in 0..sections.len() - 1 {
         let mut without = sections.clone();
         let (tag, content) = without.remove(i);
         let tag = String::from_utf8(tag.to_vec()).unwrap();
-        let missing = FileError::Section { tag: tag.clone(), what: "is missing" };
+        let missing = FileError::Section {
+            tag: tag.clone(),
+            what: "is missing",
+        };
         assert_eq!(decode(&envelope(&without)).unwrap_err(), missing);
         let mut twice = sections.clone();
         twice.push((sections[i].0, content));
-        let double = FileError::Section { tag, what: "is there more than once" };
+        let double = FileError::Section {
+            tag,
+            what: "is there more than once",
+        };
         assert_eq!(decode(&envelope(&twice)).unwrap_err(), double);
     }
 }
@@ -173,13 +211,22 @@ fn a_length_that_zlib_cannot_reach_is_refused_unread() {
     let mut sections = tiny_sections();
     sections[0].1[4..8].copy_from_slice(&4_000_000_000u32.to_le_bytes());
     let error = decode(&envelope(&sections)).unwrap_err();
-    assert!(matches!(&error, FileError::Section { tag, .. } if tag == "CELL"), "{error}");
+    assert!(
+        matches!(&error, FileError::Section { tag, .. } if tag == "CELL"),
+        "{error}"
+    );
     let mut bytes = envelope(&sections);
     let cell = bytes.windows(4).position(|w| w == b"CELL").unwrap();
     bytes[cell + 4..cell + 12].copy_from_slice(&64_000_000_000u64.to_le_bytes());
     let error = decode(&sealed(bytes)).unwrap_err();
     let what = "claims a length that its data cannot have";
-    assert_eq!(error, FileError::Section { tag: "CELL".into(), what });
+    assert_eq!(
+        error,
+        FileError::Section {
+            tag: "CELL".into(),
+            what
+        }
+    );
 }
 
 #[test]
@@ -189,7 +236,11 @@ fn a_pair_that_cannot_be_is_refused() {
     let [a, b] = file.graph.joined(&portal);
     let mut visible = crate::pvs::BitMatrix::new(file.graph.cells.len());
     for cell in file.graph.cell_ids() {
-        for seen in file.pvs.seen_from(cell).filter(|&s| (cell, s) != (a, b) && (s, cell) != (a, b)) {
+        for seen in file
+            .pvs
+            .seen_from(cell)
+            .filter(|&s| (cell, s) != (a, b) && (s, cell) != (a, b))
+        {
             visible.set(cell.0 as usize, seen.0 as usize);
         }
     }
@@ -211,19 +262,69 @@ fn numbers_with_no_meaning_are_named_with_their_place() {
         (b"INFO", 36, &[7, 0, 0, 0][..], "kind"),
         (b"INFO", 40, &far, "exponent"),
         (b"INFO", 44, &[2], "flag"),
-        (b"EXAC", 32, &[0; 8], "vertex 0 of section 'EXAC' has an impossible w"),
-        (b"EXAC", 40 + 12, &[1], "vertex 1 of section 'EXAC' lies off the grid"),
-        (b"EXAC", 80 + 32, &[0, 0, 0, 0, 0, 0, 0xff, 0xff], "vertex 2"),
-        (b"CELL", 0, &[1], "cell 0 does not begin where the one before it ends"),
-        (b"CELL", 4, &[2], "cell 0"),
-        (b"CELL", 8, &far, "cell 0 of section 'CELL' lies in a sector"),
+        (
+            b"EXAC",
+            32,
+            &[0; 8],
+            "vertex 0 of section 'EXAC' has an impossible w",
+        ),
+        (
+            b"EXAC",
+            40 + 12,
+            &[1],
+            "vertex 1 of section 'EXAC' lies off the grid",
+        ),
+        (
+            b"EXAC",
+            80 + 32,
+            &[0, 0, 0, 0, 0, 0, 0xff, 0xff],
+            "vertex 2",
+        ),
+        (
+            b"CELL",
+            0,
+            &[1],
+            "cell 0 does not begin where the one before it ends",
+        ),
+        (b"CELL", 4, &[2], "belongs to no cell"),
+        (
+            b"CELL",
+            8,
+            &far,
+            "cell 0 of section 'CELL' lies in a sector",
+        ),
         (b"CELL", 12, &[9], "'ALSO' ends too early"),
-        (b"EDGE", 0, &far, "edge 0 starts at a vertex that does not exist"),
-        (b"EDGE", 12 + 4, &far, "edge 1 has a twin that does not exist"),
-        (b"EDGE", 24 + 8, &far, "edge 2 of section 'EDGE' lies on a wall"),
+        (
+            b"EDGE",
+            0,
+            &far,
+            "edge 0 starts at a vertex that does not exist",
+        ),
+        (
+            b"EDGE",
+            12 + 4,
+            &far,
+            "edge 1 has a twin that does not exist",
+        ),
+        (
+            b"EDGE",
+            24 + 8,
+            &far,
+            "edge 2 of section 'EDGE' lies on a wall",
+        ),
         (b"PORT", 0, &far, "portal 0"),
-        (b"VISI", 0, &[0], "row 0 of section 'VISI' says that a cell does not see itself"),
-        (b"VISI", 0, &[3], "row 0 of section 'VISI' names cells past its end"),
+        (
+            b"VISI",
+            0,
+            &[0],
+            "row 0 of section 'VISI' says that a cell does not see itself",
+        ),
+        (
+            b"VISI",
+            0,
+            &[3],
+            "row 0 of section 'VISI' names cells past its end",
+        ),
     ] {
         let error = spoil(tag, at, bytes);
         assert!(error.contains(message), "{error}");
@@ -234,7 +335,10 @@ fn numbers_with_no_meaning_are_named_with_their_place() {
 fn the_layout_is_the_documented_one() {
     let file = decode(&TINY).unwrap();
     let at = |i: usize| u32::from_le_bytes(TINY[i..i + 4].try_into().unwrap());
-    assert_eq!((at(8), at(12), at(16) as usize, at(20)), (1, 8, TINY.len(), 0));
+    assert_eq!(
+        (at(8), at(12), at(16) as usize, at(20)),
+        (1, 8, TINY.len(), 0)
+    );
     let sections = tiny_sections();
     let info = &sections[0].1;
     assert_eq!(info[4..8], (file.graph.cells.len() as u32).to_le_bytes());
@@ -242,7 +346,11 @@ fn the_layout_is_the_documented_one() {
     let visible = &sections[7].1;
     // Row 2 begins after those of 0 and 1, a byte each.
     assert_eq!(visible[2] & 1 != 0, file.pvs.sees(CellId(2), CellId(0)));
-    assert_eq!(crc32fast::hash(b"123456789"), 0xCBF4_3926, "as in zip and PNG");
+    assert_eq!(
+        crc32fast::hash(b"123456789"),
+        0xCBF4_3926,
+        "as in zip and PNG"
+    );
 }
 
 proptest! {
