@@ -8,8 +8,8 @@
 use rustc_hash::FxHashMap;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
-use super::arrangement::Arrangement;
-use super::mesh::{Mesh, join_polygons};
+use super::arrangement::{Arrangement, PieceId};
+use super::mesh::{HalfEdge, Mesh, PieceBetween, join_polygons};
 use crate::geom::{Side, VertexId, orient};
 
 /// Triangles between the arrangement's vertices in which every piece of wall is an edge, as a mesh;
@@ -38,9 +38,11 @@ pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
         .map(|face| face.vertices().map(|v| VertexId(v.index() as u32)))
         .collect();
     mend(arrangement, &mut triangles).then(|| {
+        let pieces: PieceBetween =
+            (0u32..).zip(&arrangement.pieces).map(|(i, p)| ((p.from, p.to), PieceId(i))).collect();
         order_by_place(arrangement, &mut triangles);
         let polygons: Vec<_> = triangles.iter().map(|t| t.to_vec()).collect();
-        join_polygons(arrangement, &polygons)
+        join_polygons(&pieces, &polygons)
     })
 }
 
@@ -167,7 +169,13 @@ pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
         }
         triangles.push(rest);
     }
-    join_polygons(arrangement, &triangles)
+    // The BSP has split pieces of wall further: take the stretches as they are in the mesh.
+    let stretch = |(e, edge): (usize, &HalfEdge)| {
+        let (from, to) = (edge.origin, mesh.end(e));
+        Some((if edge.left_of_piece { (from, to) } else { (to, from) }, edge.piece?))
+    };
+    let pieces: PieceBetween = mesh.edges.iter().enumerate().filter_map(stretch).collect();
+    join_polygons(&pieces, &triangles)
 }
 
 /// Whether the polygon without corner `i` has area.

@@ -197,10 +197,11 @@ fn assemble(
     Mesh { edges, first }
 }
 
+/// Which piece of wall lies between two vertices, in the direction of the piece's line.
+pub type PieceBetween = FxHashMap<(VertexId, VertexId), PieceId>;
+
 /// Joins polygons that already meet corner to corner (a triangulation's). Counterclockwise.
-pub fn join_polygons(arrangement: &Arrangement, polygons: &[Vec<VertexId>]) -> Mesh {
-    let pieces: FxHashMap<(VertexId, VertexId), PieceId> =
-        arrangement.pieces.iter().zip(0u32..).map(|(p, i)| ((p.from, p.to), PieceId(i))).collect();
+pub fn join_polygons(pieces: &PieceBetween, polygons: &[Vec<VertexId>]) -> Mesh {
     let mut mesh = Mesh { edges: Vec::new(), first: vec![0] };
     let mut open: FxHashMap<(VertexId, VertexId), u32> = FxHashMap::default();
     for (cell, polygon) in (0u32..).zip(polygons) {

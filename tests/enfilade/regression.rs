@@ -1,0 +1,41 @@
+//! Levels on which something once went wrong.
+
+use enfilade::cells::Doors;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+use crate::compare::{sample, solve_all};
+use crate::plan::{Ink::*, Stroke, level};
+
+/// All that can be asked of a level without knowing its answer.
+fn keeps_all_promises(strokes: &[Stroke]) {
+    let level = level(strokes);
+    for doors in [Doors::Open, Doors::Closed] {
+        let solved = solve_all(&level, doors).unwrap();
+        sample(&level, doors, &solved, 200, &mut Pcg64::seed_from_u64(1)).unwrap();
+    }
+}
+
+#[test]
+fn a_single_triangle() {
+    keeps_all_promises(&[
+        Stroke([0, 0], [2, 0], Solid),
+        Stroke([2, 0], [0, 2], Solid),
+        Stroke([0, 2], [0, 0], Solid),
+    ]);
+}
+
+#[test]
+fn a_flat_triangle_on_the_rim_is_not_torn_off_the_plan() {
+    keeps_all_promises(&[
+        Stroke([0, 0], [1, 0], Solid),
+        Stroke([1, 0], [67108862, 2], Solid),
+        Stroke([67108862, 2], [0, 0], Solid),
+        Stroke([67108862, 1], [67108861, 0], Solid),
+        Stroke([67108861, 0], [67108861, 2], Solid),
+        Stroke([0, 0], [67108862, 0], Solid),
+        Stroke([67108862, 0], [67108862, 67108862], Solid),
+        Stroke([67108862, 67108862], [0, 67108862], Solid),
+        Stroke([0, 67108862], [0, 0], Solid),
+    ]);
+}
