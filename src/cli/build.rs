@@ -12,6 +12,7 @@ use super::summary::{self, Compared};
 use super::{Answer, complain};
 use crate::cells::Subdivision;
 use crate::pvs::Method;
+use crate::pvs::file::{self, LevelInfo};
 use crate::report::json;
 
 /// Compute cells, portals and the potentially visible set of a level.
@@ -34,6 +35,9 @@ pub struct BuildArgs {
     /// Threads to compute with [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Write the PVS file, for `enfilade verify` and other programs
+    #[arg(short, long, value_name = "FILE.pvs")]
+    output: Option<PathBuf>,
     /// Write cells, portals and visible sets as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -116,21 +120,37 @@ pub fn run(args: &BuildArgs) -> Result<Answer> {
 
 /// One subdivision, its files and its table. Whether the method came to an end.
 fn one(args: &BuildArgs, job: &Job) -> Result<bool> {
-    let mut json = args.json.as_deref().map(Output::create).transpose()?;
-    let Some(Built { level, graph, pvs, mut seconds }) = compute::build(job)? else {
+    let (pvs_path, json_path) = (args.output.as_deref(), args.json.as_deref());
+    output::must_differ(pvs_path, json_path)?;
+    let mut pvs_file = pvs_path.map(Output::create).transpose()?;
+    let mut json_file = json_path.map(Output::create).transpose()?;
+    let Some(Built {
+        level,
+        graph,
+        pvs,
+        mut seconds,
+    }) = compute::build(job)?
+    else {
         return Ok(false);
     };
     let mut write = 0.0;
-    if let Some(json) = &mut json {
-        timed(&mut write, || {
-            json.write(|out| json::write(out, &level, &graph, &pvs, &seconds))
+    if let Some(file) = &mut pvs_file {
+        timed(&mut seconds.write, || {
+            let bytes = file::encode(&LevelInfo::of(&level), &graph, &pvs);
+            file.write(|out| out.write_all(&bytes))
         })?;
     }
-    output::commit(json)?;
+    if let Some(file) = &mut json_file {
+        timed(&mut write, || {
+            file.write(|out| json::write(out, &level, &graph, &pvs, &seconds))
+        })?;
+    }
+    output::commit(pvs_file.into_iter().chain(json_file))?;
     seconds.write += write;
     if !args.quiet {
         let table = summary::of_build(&level, &graph, &pvs, &seconds);
-        if args.json.as_deref().is_some_and(output::is_stdout) {
+        let paths = [pvs_path, json_path];
+        if paths.into_iter().flatten().any(output::is_stdout) {
             complain(table.trim_end());
         } else {
             output::print(&table)?;
@@ -141,7 +161,7 @@ fn one(args: &BuildArgs, job: &Job) -> Result<bool> {
 
 /// All three subdivisions in a table; nothing is written. Whether the method came to an end.
 fn compare<'a>(args: &'a BuildArgs, job: impl Fn(Subdivision) -> Job<'a>) -> Result<bool> {
-    if args.json.is_some() {
+    if args.json.is_some() || args.output.is_some() {
         bail!("--subdivision compare prints a table and writes no files; name one subdivision");
     }
     let pool = compute::pool(args.threads)?;
@@ -155,7 +175,8 @@ fn compare<'a>(args: &'a BuildArgs, job: impl Fn(Subdivision) -> Job<'a>) -> Res
         let graph = timed(&mut subdivide, || compute::cells(&job, &level));
         let pvs = timed(&mut visible, || compute::visibility(&job, &graph, &pool));
         let Some(pvs) = pvs else { return Ok(false) };
-        rows.push(Compared::new(&graph, &pvs, subdivide, visible));
+        let size = file::encode(&LevelInfo::of(&level), &graph, &pvs).len();
+        rows.push(Compared::new(&graph, &pvs, subdivide, visible, size));
     }
     output::print(&summary::of_comparison(&level, &rows))?;
     Ok(true)

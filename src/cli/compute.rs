@@ -53,7 +53,12 @@ pub fn build(job: &Job) -> Result<Option<Built>> {
         warn_of(&graph.findings);
     }
     let pvs = timed(&mut seconds.visibility, || visibility(job, &graph, &pool));
-    Ok(pvs.map(|pvs| Built { level, graph, pvs, seconds }))
+    Ok(pvs.map(|pvs| Built {
+        level,
+        graph,
+        pvs,
+        seconds,
+    }))
 }
 
 /// The threads to compute with.
@@ -67,9 +72,12 @@ pub fn pool(threads: Option<usize>) -> Result<ThreadPool> {
 
 /// Cuts a level into cells.
 pub fn cells(job: &Job, level: &Level) -> CellGraph {
-    progress::show("cutting into cells", job.quiet, &Progress::default(), || {
-        subdivide(level, &job.cells)
-    })
+    progress::show(
+        "cutting into cells",
+        job.quiet,
+        &Progress::default(),
+        || subdivide(level, &job.cells),
+    )
 }
 
 /// The PVS, or `None` if the search gave up.
