@@ -93,10 +93,25 @@ impl<'a> Layers<'a> {
             }
         });
         // The source on top and with a border, so that the smallest cell is found.
+        let corners = self.corners(view.source);
+        let (low, high) = corners
+            .iter()
+            .fold((corners[0], corners[0]), |(low, high), p| {
+                (low.min(*p), high.max(*p))
+            });
+        let border = if (high - low).min_element() < 6.0 {
+            9.0
+        } else {
+            2.5
+        };
         let mut data = PathData::default();
-        data.polygon(&self.corners(view.source));
+        data.polygon(&corners);
         let path = Path::new().set("d", data.0).set("fill", source);
-        ground.add(path.set("stroke", source).set("stroke-width", 2.5))
+        ground.add(
+            path.set("stroke", source)
+                .set("stroke-width", border)
+                .set("stroke-linejoin", "round"),
+        )
     }
 
     fn corners(&self, cell: CellId) -> Vec<glam::DVec2> {
