@@ -5,3 +5,5 @@ pub mod level;
 pub mod cells;
 pub mod sight;
 pub mod pvs;
+pub mod report;
+pub mod cli;
