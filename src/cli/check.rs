@@ -13,7 +13,7 @@ use super::{Answer, complain};
 use crate::cells::{Options, findings, subdivide};
 use crate::level::read::Source;
 use crate::level::{Finding, Level, Place};
-use crate::report::wording::{count, grouped, unit};
+use crate::report::wording::{count, grouped};
 
 /// How many places of a finding the text shows; the JSON has all.
 const SHOWN: usize = 8;
@@ -100,17 +100,23 @@ fn in_words(level: &Level, findings: &[Finding]) -> String {
         let Finding { code, severity, message, places } = finding;
         let n = grouped(places.len() as u64);
         _ = writeln!(out, "  {}: {n} × {code}. {message}", severity.as_str());
-        let shown: Vec<String> = places.iter().take(SHOWN).map(Place::to_string).collect();
+        let shown: Vec<String> = places.iter().take(SHOWN).map(in_short).collect();
         _ = write!(out, "      at {}", shown.join("; "));
         match places.len().saturating_sub(SHOWN) {
             0 => out.push('\n'),
             more => _ = writeln!(out, "; and {} more", grouped(more as u64)),
         }
     }
-    if level.snap > 0.0 {
-        _ = writeln!(out, "  points moved onto the grid by at most {:e} {}", level.snap, unit(level));
-    }
     out
+}
+
+/// A place with as many digits as it takes to find it.
+fn in_short(place: &Place) -> String {
+    let short = |x: f64| (x * 1e4).round() / 1e4;
+    match *place {
+        Place::Point { x, y } => Place::Point { x: short(x), y: short(y) }.to_string(),
+        _ => place.to_string(),
+    }
 }
 
 fn as_json(level: &Level, findings: &[Finding]) -> Value {

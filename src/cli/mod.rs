@@ -5,6 +5,7 @@
 
 mod build;
 mod check;
+mod export;
 mod level_args;
 mod output;
 mod plan;
@@ -28,6 +29,7 @@ struct Cli {
 enum Command {
     Build(build::BuildArgs),
     Check(check::CheckArgs),
+    Export(export::ExportArgs),
     Plan(plan::PlanArgs),
 }
 
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Plan(args) => plan::run(&args),
     };
     match result {

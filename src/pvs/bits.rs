@@ -248,7 +248,7 @@ mod tests {
             let result = shared.into_matrix().symmetric();
             assert_eq!(result, expected, "n = {n}");
             assert!(result.is_symmetric());
-            assert_eq!(result.total() as usize, (0..n).map(|i| result.ones(i).count()).sum());
+            assert_eq!(result.total() as usize, (0..n).map(|i| result.ones(i).count()).sum::<usize>());
         }
     }
 

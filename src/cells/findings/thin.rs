@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use super::extent;
 use super::reach::middle;
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::level::{Finding, Level, Place, SectorId, Severity};
+use crate::level::{Finding, Interior, Level, Place, SectorId, Severity};
 
 /// A stretch of one sector is a sliver if its mean width (twice its area through its perimeter) is
-/// below this part of the level's larger side: 1 cm in a building of 100 m.
+/// below this part of the level's larger side, 1 cm in a building of 100 m, …
 const SECTOR: f64 = 1e-4;
+/// … and it is at least this many times as long as wide.
+const LONG: f64 = 25.0;
 /// A cell is one below this part: then even f64 hardly tells its sides apart.
 const CELL: f64 = 1e-7;
 
@@ -39,7 +41,9 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     }
     let thin: Vec<CellId> = measures
         .values()
-        .filter(|(area, around, _)| 2.0 * area < around * extent * SECTOR)
+        .filter(|(area, around, _)| {
+            2.0 * area < around * extent * SECTOR && around * around > 4.0 * LONG * area
+        })
         .map(|m| m.2)
         .collect();
     let mut findings = Vec::new();
@@ -48,9 +52,11 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
             findings.push(Finding { code, severity, message: message.to_string(), places });
         }
     };
+    // Doom maps have strips of a unit's width on purpose.
+    let by_sides = level.interior == Interior::Sides;
     add(
         "sliver",
-        Severity::Warning,
+        if by_sides { Severity::Note } else { Severity::Warning },
         "This ground is thinner than a ten-thousandth of the level; two walls or edges that were \
          meant to coincide may lie side by side.",
         thin.iter().map(|&cell| middle(graph, cell)).collect(),
