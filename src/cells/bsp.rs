@@ -23,7 +23,7 @@ pub struct BspOptions {
 
 impl Default for BspOptions {
     fn default() -> Self {
-        Self { candidates: 16, sample: 256, split_weight: 8, balance_weight: 1 }
+        Self { candidates: 12, sample: 128, split_weight: 8, balance_weight: 1 }
     }
 }
 

@@ -1,6 +1,10 @@
 //! The finished product of this stage: cells, their edges, and the portals between them.
 
+mod parts;
+
 use std::ops::Range;
+
+pub use parts::PartsError;
 
 use super::arrangement::Arrangement;
 use super::interior::Label;

@@ -104,7 +104,7 @@ fn cost(
 ) -> Option<u64> {
     let (mut left, mut right, mut cut, mut on) = (0u64, 0u64, 0u64, 0u64);
     for f in fragments {
-        let side = |v| line.side(arrangement.vertices.get(v));
+        let side = |v| arrangement.vertices.side(v, line);
         match (side(f.from), side(f.to)) {
             (Side::On, Side::On) => on += 1,
             (Side::Left, Side::Right) | (Side::Right, Side::Left) => cut += 1,

@@ -18,7 +18,7 @@ pub mod partition;
 mod validate;
 
 
-pub use graph::{Cell, CellGraph, CellId, Edge, EdgeId, Portal, PortalId};
+pub use graph::{Cell, CellGraph, CellId, Edge, EdgeId, PartsError, Portal, PortalId};
 pub use locate::Locator;
 pub use validate::Flaw;
 

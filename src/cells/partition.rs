@@ -228,7 +228,7 @@ impl Arrangement {
     /// Side of a line on which a vertex lies.
     #[inline]
     pub fn side(&self, v: VertexId, line: LineId) -> Side {
-        self.lines.get(line).side(self.vertices.get(v))
+        self.vertices.side(v, self.lines.get(line))
     }
 
     /// Sides of a line on which a fragment's two ends lie.
@@ -237,7 +237,8 @@ impl Arrangement {
         if self.piece(f.piece).line == line {
             return (Side::On, Side::On);
         }
-        (self.side(f.from, line), self.side(f.to, line))
+        let line = self.lines.get(line);
+        (self.vertices.side(f.from, line), self.vertices.side(f.to, line))
     }
 
     /// The vertex in which two lines meet that are known to.

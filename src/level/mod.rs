@@ -7,6 +7,7 @@ pub mod doom;
 pub mod draft;
 pub mod finding;
 mod model;
+pub mod read;
 pub mod scene;
 pub mod snap;
 pub mod toml;

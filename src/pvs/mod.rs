@@ -7,6 +7,7 @@
 
 mod bits;
 mod fan;
+pub mod file;
 mod flat;
 pub mod search;
 pub mod sweep;

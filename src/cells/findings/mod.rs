@@ -1,9 +1,47 @@
 //! Findings that only the exact arrangement and the finished cells can tell.
+//!
+//! [`of_meetings`] is part of every subdivision; [`of_cells`] is what `check` looks for besides:
+//! openings to the outside, rooms that cannot be reached, slivers, ends that nearly meet. Where a
+//! finding is about a measure (thin, near), that is taken in f64 and its limit stated in the
+//! finding; nothing else depends on it.
+
+mod near;
+mod outside;
+mod reach;
+mod thin;
 
 use std::collections::BTreeMap;
 
+use super::CellGraph;
 use super::arrangement::{Arrangement, Meeting};
 use crate::level::{Finding, Interior, Level, Place, Severity, Wall, WallKind};
+
+/// What looks wrong in a level as it has been cut into cells (with doors open): leaks, unreachable
+/// rooms, slivers, ends that nearly meet.
+pub fn of_cells(level: &Level, graph: &CellGraph) -> Vec<Finding> {
+    let found = [
+        outside::find(level, graph),
+        reach::find(level, graph),
+        thin::find(level, graph),
+        near::find(level),
+    ];
+    let mut findings: Vec<Finding> = found.into_iter().flatten().collect();
+    for finding in &mut findings {
+        finding.places.sort_by_key(order);
+        finding.places.dedup();
+    }
+    findings
+}
+
+/// The larger side of the level, in grid steps.
+fn extent(level: &Level) -> f64 {
+    let ends = || level.walls.iter().flat_map(|w| [w.from, w.to]);
+    let side = |of: fn(crate::geom::GridPoint) -> i64| {
+        let (low, high) = ends().map(of).fold((i64::MAX, i64::MIN), |(l, h), n| (l.min(n), h.max(n)));
+        if low > high { 0 } else { high - low }
+    };
+    side(|p| p.x).max(side(|p| p.y)) as f64
+}
 
 /// Walls that cross, touch or overlap. Rooms may share walls, and an opening lies on one: that is no
 /// finding.

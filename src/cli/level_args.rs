@@ -1,0 +1,128 @@
+//! Arguments that most commands share: the level, and how it is cut into cells.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+
+use super::complain;
+use crate::cells::{self, Doors, Subdivision};
+use crate::level::read::Source;
+use crate::level::{Level, Severity};
+
+/// The level to work on.
+#[derive(Clone, Debug, Args)]
+pub struct LevelArgs {
+    /// Level file: .toml, or a Doom .wad
+    pub level: PathBuf,
+    /// Map of a WAD that has several
+    #[arg(long, value_name = "NAME")]
+    pub map: Option<String>,
+}
+
+impl LevelArgs {
+    /// Reads the file and the level in it.
+    pub fn read(&self) -> Result<Level> {
+        Ok(open(&self.level)?.level(self.map.as_deref())?)
+    }
+}
+
+/// Reads a level file as far as its maps.
+pub fn open(path: &Path) -> Result<Source> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    Ok(Source::parse(bytes, &name)?)
+}
+
+/// Says on standard error what was repaired in a level or looks wrong, a line for each kind.
+pub fn warn_of(findings: &[crate::level::Finding]) {
+    for finding in findings.iter().filter(|f| f.severity > Severity::Note) {
+        complain(&finding.to_string());
+    }
+}
+
+/// `--subdivision`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SubdivisionArg {
+    /// By the lines of the walls
+    #[default]
+    Bsp,
+    /// By axis-aligned lines through wall ends, then by the walls
+    Kd,
+    /// Constrained Delaunay triangles
+    Cdt,
+}
+
+impl From<SubdivisionArg> for Subdivision {
+    fn from(arg: SubdivisionArg) -> Self {
+        match arg {
+            SubdivisionArg::Bsp => Subdivision::Bsp,
+            SubdivisionArg::Kd => Subdivision::Kd,
+            SubdivisionArg::Cdt => Subdivision::Cdt,
+        }
+    }
+}
+
+/// `--doors`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DoorsArg {
+    /// Nothing that moves stops sight
+    #[default]
+    Open,
+    /// A door that stands closed is a wall
+    Closed,
+}
+
+impl From<DoorsArg> for Doors {
+    fn from(arg: DoorsArg) -> Self {
+        match arg {
+            DoorsArg::Open => Doors::Open,
+            DoorsArg::Closed => Doors::Closed,
+        }
+    }
+}
+
+/// How the splitting lines of a BSP are chosen (also inside the leaves of a kd-tree).
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Choice of the BSP's splitting lines")]
+pub struct BspArgs {
+    /// What a cut wall costs, …
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    pub split_weight: u32,
+    /// … compared with one wall more on the one side than on the other
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub balance_weight: u32,
+    /// How many walls are tried as the splitting line
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = at_least_one)]
+    pub candidates: usize,
+}
+
+impl BspArgs {
+    /// Options for [`cells::subdivide`].
+    pub fn options(&self, subdivision: Subdivision, doors: Doors) -> cells::Options {
+        let bsp = cells::bsp::BspOptions {
+            candidates: self.candidates,
+            split_weight: self.split_weight,
+            balance_weight: self.balance_weight,
+            ..cells::bsp::BspOptions::default()
+        };
+        let kd = cells::kd::KdOptions { bsp, ..cells::kd::KdOptions::default() };
+        cells::Options { subdivision, doors, bsp, kd }
+    }
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if n > 0 => Ok(n),
+        _ => Err("a whole number from 1 on is needed".to_string()),
+    }
+}
+
+/// A point on the plan: `X,Y`.
+pub fn point(text: &str) -> Result<glam::DVec2, String> {
+    let wrong = || "two numbers with a comma between them are needed, such as 12.5,-3".to_string();
+    let (x, y) = text.split_once(',').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    number(x).zip(number(y)).map(|(x, y)| glam::DVec2::new(x, y)).ok_or_else(wrong)
+}

@@ -1,0 +1,71 @@
+//! The command line: arguments, files, clock and terminal. One file per subcommand.
+//!
+//! Exit status: 0 done; 1 the answer is no; 2 bad input, bad usage, or a file that cannot be read or
+//! written. Results go to files or standard output, progress and warnings to standard error.
+
+mod build;
+mod check;
+mod level_args;
+mod output;
+mod plan;
+mod progress;
+mod summary;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exact cells-and-portals visibility of architectural levels.
+#[derive(Debug, Parser)]
+#[command(name = "enfilade", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Build(build::BuildArgs),
+    Check(check::CheckArgs),
+    Plan(plan::PlanArgs),
+}
+
+/// What a command that ran to its end has to say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answer {
+    /// Done, or yes.
+    Yes,
+    /// No: verification failed, budget exceeded.
+    No,
+}
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Build(args) => build::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Plan(args) => plan::run(&args),
+    };
+    match result {
+        Ok(Answer::Yes) => ExitCode::SUCCESS,
+        Ok(Answer::No) => ExitCode::from(1),
+        // Whoever read our output has seen enough (`enfilade … | head`).
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(&format!("error: {error:#}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.chain().find_map(|e| e.downcast_ref::<io::Error>());
+    io.is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// A line on standard error. Where even that is closed there is nobody left to tell.
+fn complain(line: &str) {
+    _ = writeln!(io::stderr(), "{line}");
+}

@@ -1,0 +1,7 @@
+//! Results for people and other programs: JSON, and pictures of the plan.
+
+pub mod json;
+pub mod picture;
+pub mod plan;
+pub mod sightlines;
+pub mod wording;
