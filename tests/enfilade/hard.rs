@@ -99,7 +99,7 @@ fn check(hard: &Hard) -> Result<(), String> {
     };
     for snap in of("snap") {
         let wanted: f64 = snap.parse().map_err(|_| format!("`{snap}` is no number"))?;
-        if (level.snap - wanted).abs() > 1e-9 * wanted {
+        if (level.snap - wanted).abs() > 1e-6 * wanted {
             return Err(format!("snapped by {}, not {wanted}", level.snap));
         }
     }
