@@ -106,7 +106,10 @@ pub fn sample(
     n: usize,
     random: &mut impl Rng,
 ) -> Result<usize, String> {
-    let sight = Sight::new(level, doors);
+    // A window to the outside, or a see-through line without a second side, is an edge of the cells.
+    let edges = solved[0].graph.edges.iter();
+    let borders = edges.filter(|e| e.twin().is_none()).filter_map(|e| e.wall()).collect();
+    let sight = Sight::new(level, doors, &borders);
     let locators: Vec<Locator> = solved.iter().map(|s| Locator::new(&s.graph)).collect();
     let points = level.walls.iter().flat_map(|w| [w.from, w.to]);
     let reach = points.map(|p| p.x.abs().max(p.y.abs())).max().unwrap_or(1) + 1;

@@ -1,8 +1,10 @@
 //! Whether a segment between two grid points is free, decided from the walls alone in integers.
 
+use std::collections::HashSet;
+
 use enfilade::cells::Doors;
 use enfilade::geom::GridPoint;
-use enfilade::level::{Level, Wall, WallKind};
+use enfilade::level::{Level, Wall, WallId, WallKind};
 use rand::{Rng, RngExt};
 
 /// Whether an opening, or a see-through wall, is shut.
@@ -67,8 +69,14 @@ pub struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    pub fn new(level: &'a Level, doors: Doors) -> Self {
-        Self { walls: level.walls.iter().map(|w| (w, act(w, doors))).collect() }
+    /// The walls of a level; those of `borders`, behind which the outside of the level lies, count
+    /// as opaque.
+    pub fn new(level: &'a Level, doors: Doors, borders: &HashSet<WallId>) -> Self {
+        let acts = (0u32..).zip(&level.walls).map(|(i, wall)| {
+            let border = borders.contains(&WallId(i));
+            (wall, if border { Act::Stops } else { act(wall, doors) })
+        });
+        Self { walls: acts.collect() }
     }
 
     /// Whether the closed segment touches no opaque wall. Ends of walls and of openings count as
