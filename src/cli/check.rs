@@ -74,7 +74,11 @@ pub fn run(args: &CheckArgs) -> Result<Answer> {
     }
     output::commit(json)?;
     if unreadable > 0 {
-        bail!("{} of {} cannot be read", unreadable, count(maps.len(), "map"));
+        bail!(
+            "{} of {} cannot be read",
+            unreadable,
+            count(maps.len(), "map")
+        );
     }
     Ok(Answer::Yes)
 }
@@ -86,7 +90,7 @@ fn check(source: &Source, map: Option<&str>) -> Result<(Level, Vec<Finding>)> {
     let mut all = level.findings.clone();
     all.extend(graph.findings.iter().cloned());
     all.extend(findings::of_cells(&level, &graph));
-    all.sort_by(|a, b| b.severity.cmp(&a.severity));
+    all.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok((level, all))
 }
 
@@ -97,7 +101,12 @@ fn in_words(level: &Level, findings: &[Finding]) -> String {
         n => format!("{}\n", count(n, "finding")),
     };
     for finding in findings {
-        let Finding { code, severity, message, places } = finding;
+        let Finding {
+            code,
+            severity,
+            message,
+            places,
+        } = finding;
         let n = grouped(places.len() as u64);
         _ = writeln!(out, "  {}: {n} × {code}. {message}", severity.as_str());
         let shown: Vec<String> = places.iter().take(SHOWN).map(in_short).collect();
@@ -114,7 +123,11 @@ fn in_words(level: &Level, findings: &[Finding]) -> String {
 fn in_short(place: &Place) -> String {
     let short = |x: f64| (x * 1e4).round() / 1e4;
     match *place {
-        Place::Point { x, y } => Place::Point { x: short(x), y: short(y) }.to_string(),
+        Place::Point { x, y } => Place::Point {
+            x: short(x),
+            y: short(y),
+        }
+        .to_string(),
         _ => place.to_string(),
     }
 }

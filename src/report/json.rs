@@ -41,7 +41,12 @@ pub fn write(
     pvs: &Pvs,
     seconds: &Seconds,
 ) -> io::Result<()> {
-    let document = Document { level, graph, pvs, seconds };
+    let document = Document {
+        level,
+        graph,
+        pvs,
+        seconds,
+    };
     let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
     document.serialize(&mut serializer)?;
     serializer.into_inner().write_all(b"\n")
@@ -50,8 +55,11 @@ pub fn write(
 /// A cell's corners in the level's own coordinates: convex, counterclockwise, without repeated
 /// points and without corners that rounding to f64 has put in line with their neighbours.
 pub fn polygon(graph: &CellGraph, cell: CellId) -> Vec<DVec2> {
-    let mut points: Vec<DVec2> =
-        graph.polygon(cell).into_iter().map(|v| position(graph, v)).collect();
+    let mut points: Vec<DVec2> = graph
+        .polygon(cell)
+        .into_iter()
+        .map(|v| position(graph, v))
+        .collect();
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {
         points.pop();
@@ -83,7 +91,12 @@ struct Document<'a> {
 
 impl Serialize for Document<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Document { level, graph, pvs, seconds } = self;
+        let Document {
+            level,
+            graph,
+            pvs,
+            seconds,
+        } = self;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("format", "enfilade.pvs")?;
         map.serialize_entry("version", &1)?;
@@ -91,8 +104,14 @@ impl Serialize for Document<'_> {
         map.serialize_entry("subdivision", graph.options.subdivision.as_str())?;
         map.serialize_entry("visibility", &Visibility { graph, pvs })?;
         map.serialize_entry("seconds", seconds)?;
-        map.serialize_entry("cells", &each(graph.cell_ids().map(|id| cell(level, graph, id))))?;
-        map.serialize_entry("portals", &each(graph.portals.iter().map(|p| portal(graph, p))))?;
+        map.serialize_entry(
+            "cells",
+            &each(graph.cell_ids().map(|id| cell(level, graph, id))),
+        )?;
+        map.serialize_entry(
+            "portals",
+            &each(graph.portals.iter().map(|p| portal(graph, p))),
+        )?;
         let row = |id| each(pvs.seen_from(id).map(|c| c.0));
         map.serialize_entry("visible", &each(graph.cell_ids().map(row)))?;
         map.end()
@@ -152,7 +171,10 @@ fn cell(level: &Level, graph: &CellGraph, id: CellId) -> CellRecord {
         sector: sector_id.map(|s| s.0),
         floor: sector.map(|s| s.floor.rest),
         ceiling: sector.map(|s| s.ceiling.rest),
-        polygon: polygon(graph, id).into_iter().map(|p| p.to_array()).collect(),
+        polygon: polygon(graph, id)
+            .into_iter()
+            .map(|p| p.to_array())
+            .collect(),
     }
 }
 
@@ -196,11 +218,20 @@ struct Lines {
 }
 
 impl Lines {
-    fn separate<W: ?Sized + Write>(&self, out: &mut W, first: bool, depth: usize) -> io::Result<()> {
+    fn separate<W: ?Sized + Write>(
+        &self,
+        out: &mut W,
+        first: bool,
+        depth: usize,
+    ) -> io::Result<()> {
         if !first {
             out.write_all(b",")?;
         }
-        if self.depth <= depth { out.write_all(b"\n") } else { Ok(()) }
+        if self.depth <= depth {
+            out.write_all(b"\n")
+        } else {
+            Ok(())
+        }
     }
 }
 

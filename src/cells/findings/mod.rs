@@ -37,7 +37,9 @@ pub fn of_cells(level: &Level, graph: &CellGraph) -> Vec<Finding> {
 fn extent(level: &Level) -> f64 {
     let ends = || level.walls.iter().flat_map(|w| [w.from, w.to]);
     let side = |of: fn(crate::geom::GridPoint) -> i64| {
-        let (low, high) = ends().map(of).fold((i64::MAX, i64::MIN), |(l, h), n| (l.min(n), h.max(n)));
+        let (low, high) = ends()
+            .map(of)
+            .fold((i64::MAX, i64::MIN), |(l, h), n| (l.min(n), h.max(n)));
         if low > high { 0 } else { high - low }
     };
     side(|p| p.x).max(side(|p| p.y)) as f64
@@ -49,7 +51,9 @@ pub fn of_meetings(level: &Level, arrangement: &Arrangement) -> Vec<Finding> {
     let mut places: BTreeMap<(&str, Severity, &str), Vec<Place>> = BTreeMap::new();
     for &(a, b, meeting) in &arrangement.meetings {
         let (first, second) = (&level.walls[a.0 as usize], &level.walls[b.0 as usize]);
-        let Some(kind) = kind_of(level, first, second, meeting) else { continue };
+        let Some(kind) = kind_of(level, first, second, meeting) else {
+            continue;
+        };
         // The later wall is the one that was put onto the other.
         let later = if a > b { first } else { second };
         places.entry(kind).or_default().push(later.place);
@@ -59,7 +63,12 @@ pub fn of_meetings(level: &Level, arrangement: &Arrangement) -> Vec<Finding> {
         .map(|((code, severity, message), mut places)| {
             places.sort_by_key(order);
             places.dedup();
-            Finding { code, severity, message: message.into(), places }
+            Finding {
+                code,
+                severity,
+                message: message.into(),
+                places,
+            }
         })
         .collect()
 }
@@ -77,9 +86,8 @@ fn kind_of(
     };
     // Walls that stand free may cross on purpose, and pillars may lean on a wall; but what lies
     // twice on the same stretch was drawn once too often.
-    let free = |w: &Wall| {
-        w.outline.is_none() && matches!(w.kind, WallKind::Solid | WallKind::Outline)
-    };
+    let free =
+        |w: &Wall| w.outline.is_none() && matches!(w.kind, WallKind::Solid | WallKind::Outline);
     let twice = by_sides
         || (free(first) && (free(second) || room(second)))
         || (room(first) && free(second));
@@ -137,7 +145,11 @@ mod tests {
         let level = read(text.into(), "level.toml", None).unwrap();
         let graph = subdivide(&level, &Options::default());
         graph.validate().unwrap();
-        let all = graph.findings.iter().cloned().chain(of_cells(&level, &graph));
+        let all = graph
+            .findings
+            .iter()
+            .cloned()
+            .chain(of_cells(&level, &graph));
         all.map(|f| (f.code, f.places.len())).collect()
     }
 
@@ -152,7 +164,10 @@ mod tests {
         assert_eq!(codes(&(rooms.clone() + door)), []);
         // Without the door, or with a window in its place, the smaller room is cut off.
         assert_eq!(codes(&rooms), [("unreachable", 1)]);
-        assert_eq!(codes(&(rooms + &door.replace("door", "window"))), [("unreachable", 1)]);
+        assert_eq!(
+            codes(&(rooms + &door.replace("door", "window"))),
+            [("unreachable", 1)]
+        );
     }
 
     #[test]
@@ -187,7 +202,11 @@ mod tests {
         assert_eq!(found[0], ("unreachable", 1));
         assert_eq!(found[1].0, "near-coincident-ends");
         let strip = room("A", "0, 0, 100, 50") + &room("B", "0, 50, 100, 50.005");
-        assert!(codes(&strip).contains(&("sliver", 1)), "{:?}", codes(&strip));
+        assert!(
+            codes(&strip).contains(&("sliver", 1)),
+            "{:?}",
+            codes(&strip)
+        );
     }
 
     #[test]
@@ -195,7 +214,10 @@ mod tests {
         let cross = "[[wall]]\npoints = [[1, 2], [3, 2]]\n[[wall]]\npoints = [[2, 1], [2, 3]]\n";
         let twice = "[[wall]]\npoints = [[1, 2], [3, 2]]\n[[wall]]\npoints = [[2, 2], [3.5, 2]]\n";
         assert_eq!(codes(&(room("A", "0, 0, 4, 4") + cross)), []);
-        assert_eq!(codes(&(room("A", "0, 0, 4, 4") + twice)), [("overlapping-walls", 1)]);
+        assert_eq!(
+            codes(&(room("A", "0, 0, 4, 4") + twice)),
+            [("overlapping-walls", 1)]
+        );
         let rooms = room("A", "0, 0, 4, 4") + &room("B", "2, 2, 6, 6");
         assert_eq!(codes(&rooms)[0].0, "overlapping-rooms");
     }

@@ -57,7 +57,12 @@ impl<'a> Layers<'a> {
             lines.entry(line).or_default().segment(p, q);
         }
         let wall = (typical(lengths) * 0.04).clamp(0.9, 2.6);
-        Layers { graph, sheet, lines, wall }
+        Layers {
+            graph,
+            sheet,
+            lines,
+            wall,
+        }
     }
 
     /// Whether any edge is of this kind.
@@ -68,7 +73,10 @@ impl<'a> Layers<'a> {
     /// The ground, each sector in its colour.
     pub fn sectors(&self, colours: &[&'static str]) -> Group {
         let of_cell = |cell: CellId| match self.graph.cell(cell).sector {
-            Some(s) => colours.get(s.0 as usize).copied().unwrap_or(palette::NO_SECTOR),
+            Some(s) => colours
+                .get(s.0 as usize)
+                .copied()
+                .unwrap_or(palette::NO_SECTOR),
             None => palette::NO_SECTOR,
         };
         self.ground(of_cell)
@@ -96,16 +104,18 @@ impl<'a> Layers<'a> {
             let corners: Vec<_> = corners.map(|v| self.sheet.vertex(self.graph, v)).collect();
             areas.entry(colour(cell)).or_default().polygon(&corners);
         }
-        areas.into_iter().fold(Group::new().set("id", "cells"), |group, (colour, data)| {
-            // The thin outline closes the seams between different colours.
-            group.add(
-                Path::new()
-                    .set("d", data.0)
-                    .set("fill", colour)
-                    .set("stroke", colour)
-                    .set("stroke-width", 0.5),
-            )
-        })
+        areas
+            .into_iter()
+            .fold(Group::new().set("id", "cells"), |group, (colour, data)| {
+                // The thin outline closes the seams between different colours.
+                group.add(
+                    Path::new()
+                        .set("d", data.0)
+                        .set("fill", colour)
+                        .set("stroke", colour)
+                        .set("stroke-width", 0.5),
+                )
+            })
     }
 
     /// Borders between cells that only the subdivision made.
@@ -113,14 +123,18 @@ impl<'a> Layers<'a> {
         let width = (self.wall * 0.3).max(0.35);
         let dashes = format!("{} {}", short(width * 5.0), short(width * 4.0));
         let path = self.path(Line::Border, palette::PORTAL, width);
-        let path = path.set("stroke-dasharray", dashes).set("stroke-opacity", 0.6);
+        let path = path
+            .set("stroke-dasharray", dashes)
+            .set("stroke-opacity", 0.6);
         Group::new().set("id", "portals").add(path)
     }
 
     /// Changes of sector without a wall.
     pub fn steps(&self) -> Group {
         let path = self.path(Line::Step, palette::PORTAL, (self.wall * 0.35).max(0.4));
-        Group::new().set("id", "steps").add(path.set("stroke-opacity", 0.9))
+        Group::new()
+            .set("id", "steps")
+            .add(path.set("stroke-opacity", 0.9))
     }
 
     /// Walls, and doors that count as such.
@@ -129,7 +143,11 @@ impl<'a> Layers<'a> {
         Group::new()
             .set("id", "walls")
             .add(round(self.path(Line::Wall, palette::WALL, self.wall)))
-            .add(round(self.path(Line::ClosedDoor, palette::CLOSED, self.wall * 1.3)))
+            .add(round(self.path(
+                Line::ClosedDoor,
+                palette::CLOSED,
+                self.wall * 1.3,
+            )))
     }
 
     /// Doors, windows and archways.
@@ -137,7 +155,10 @@ impl<'a> Layers<'a> {
         let dots = format!("{} {}", short(self.wall), short(self.wall * 1.2));
         Group::new()
             .set("id", "openings")
-            .add(self.path(Line::Archway, palette::ARCHWAY, self.wall).set("stroke-dasharray", dots))
+            .add(
+                self.path(Line::Archway, palette::ARCHWAY, self.wall)
+                    .set("stroke-dasharray", dots),
+            )
             .add(self.path(Line::Door, palette::DOOR, self.wall * 1.15))
             .add(self.path(Line::Window, palette::WINDOW, self.wall * 1.5))
             .add(self.path(Line::Window, "white", self.wall * 0.6))
@@ -175,7 +196,9 @@ impl<'a> Layers<'a> {
 
 fn line_of(level: &Level, graph: &CellGraph, id: EdgeId) -> Line {
     let edge = graph.edge(id);
-    let Some(wall) = edge.wall() else { return Line::Border };
+    let Some(wall) = edge.wall() else {
+        return Line::Border;
+    };
     let closed = graph.options.doors == Doors::Closed;
     let sealed = edge.twin().is_none();
     // Openings to the outside have nothing on their other side, but are drawn as what they are.
