@@ -111,7 +111,11 @@ fn open(path: &Path) -> io::Result<Sink> {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
     };
-    let temporary = builder.tempfile_in(folder)?;
+    fs::metadata(folder)?;
+    // The error's kind alone: nobody has to know the temporary file's name.
+    let temporary = builder
+        .tempfile_in(folder)
+        .map_err(|e| io::Error::from(e.kind()))?;
     Ok(Sink::Beside { temporary, target })
 }
 

@@ -264,3 +264,61 @@ impl Formatter for Lines {
         self.separate(out, first, 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::{Options, subdivide};
+    use crate::level::read::read;
+    use crate::pvs::{Progress, sweep::sweep};
+    use serde_json::Value;
+
+    const ROOMS: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 0.1, 4]\n\
+        [[room]]\nname = \"B\"\nrect = [0.1, 0, 8, 4]\nceiling = 2.5\n\
+        [[door]]\nbetween = [\"A\", \"B\"]\nwidth = 1\nheight = 2\n";
+
+    #[test]
+    fn two_rooms_in_full() {
+        let level = read(ROOMS.into(), "rooms.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let pvs = sweep(&graph, &Progress::default());
+        let mut text = Vec::new();
+        write(&mut text, &level, &graph, &pvs, &Seconds::default()).unwrap();
+        let json: Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(json["format"], "enfilade.pvs");
+        assert_eq!(json["level"]["name"], "rooms");
+        assert_eq!(json["level"]["snap"], 0.0);
+        assert_eq!(json["visibility"]["class"], "exact");
+        assert_eq!(json["visibility"]["pairs"], 4);
+        assert_eq!(json["visible"], serde_json::json!([[0, 1], [0, 1]]));
+        let cells = json["cells"].as_array().unwrap();
+        let b = cells.iter().find(|c| c["sector"] == 1).unwrap();
+        assert_eq!(b["ceiling"], 2.5);
+        let corner = serde_json::json!([0.1, 4.0]);
+        assert!(b["polygon"].as_array().unwrap().contains(&corner), "{b}");
+        let portal = &json["portals"][0];
+        assert_eq!(
+            (&portal["bottom"], &portal["top"]),
+            (&0.0.into(), &2.0.into())
+        );
+        // A line for each key, cell, portal and visible set.
+        assert_eq!(text.iter().filter(|&&b| b == b'\n').count(), 1 + 9 + 5 + 1);
+    }
+
+    #[test]
+    fn polygons_are_convex_after_rounding() {
+        let round = "[[room]]\nname = \"A\"\nrect = [0, 0, 20, 20]\n\
+            [[pillar]]\ncenter = [7.1, 8.3]\nradius = 3\nsides = 31\n";
+        let level = read(round.into(), "round.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        for cell in graph.cell_ids() {
+            let corners = polygon(&graph, cell);
+            let n = corners.len();
+            assert!(n >= 3);
+            for i in 0..n {
+                let (p, q, r) = (corners[i], corners[(i + 1) % n], corners[(i + 2) % n]);
+                assert!((q - p).perp_dot(r - q) > 0.0);
+            }
+        }
+    }
+}

@@ -85,24 +85,33 @@ impl<'a> Layers<'a> {
     /// The ground, coloured by what the source sees.
     pub fn visible(&self, view: &View) -> Group {
         let [source, seen, other] = palette::VIEW;
-        self.ground(|cell| {
-            if cell == view.source {
-                source
-            } else if view.pvs.sees(view.source, cell) {
+        let ground = self.ground(|cell| {
+            if view.pvs.sees(view.source, cell) {
                 seen
             } else {
                 other
             }
-        })
+        });
+        // The source on top and with a border, so that the smallest cell is found.
+        let mut data = PathData::default();
+        data.polygon(&self.corners(view.source));
+        let path = Path::new().set("d", data.0).set("fill", source);
+        ground.add(path.set("stroke", source).set("stroke-width", 2.5))
+    }
+
+    fn corners(&self, cell: CellId) -> Vec<glam::DVec2> {
+        let corners = self.graph.corners(cell);
+        corners.map(|v| self.sheet.vertex(self.graph, v)).collect()
     }
 
     /// One path for each colour, so that no seams show between cells of the same colour.
     fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
         let mut areas: BTreeMap<&str, PathData> = BTreeMap::new();
         for cell in self.graph.cell_ids() {
-            let corners = self.graph.corners(cell);
-            let corners: Vec<_> = corners.map(|v| self.sheet.vertex(self.graph, v)).collect();
-            areas.entry(colour(cell)).or_default().polygon(&corners);
+            areas
+                .entry(colour(cell))
+                .or_default()
+                .polygon(&self.corners(cell));
         }
         areas
             .into_iter()
