@@ -23,7 +23,10 @@ fn tomls(folder: &str) -> Vec<PathBuf> {
 
 fn read(path: &Path) -> Result<Level, toml::TomlError> {
     let text = fs::read_to_string(path).expect("a level is text");
-    toml::read(&text, &path.file_name().expect("it has one").to_string_lossy())
+    toml::read(
+        &text,
+        &path.file_name().expect("it has one").to_string_lossy(),
+    )
 }
 
 fn holds<T>(level: &str, result: Result<T, String>) -> T {
@@ -45,7 +48,11 @@ fn sample_levels_agree_with_open_and_closed_doors() {
             solved
         });
         // Closed doors only hide; on the smaller levels, pair by pair.
-        for (p, q) in open.iter().zip(&closed).filter(|(_, q)| q.graph.cells.len() < 400) {
+        for (p, q) in open
+            .iter()
+            .zip(&closed)
+            .filter(|(_, q)| q.graph.cells.len() < 400)
+        {
             holds(&name, nothing_new(p, q));
         }
         let cells: Vec<usize> = open.iter().map(|s| s.graph.cells.len()).collect();

@@ -38,15 +38,31 @@ fn hard_levels() -> Vec<Hard> {
             let path = entry.expect("levels/hard is readable").path();
             let text = fs::read_to_string(&path).expect("a level is text");
             let comments = text.lines().map_while(|line| line.strip_prefix('#'));
-            let known =
-                ["sees", "hidden", "cells bsp", "cells kd", "cells cdt", "snap", "finding", "refused"];
+            let known = [
+                "sees",
+                "hidden",
+                "cells bsp",
+                "cells kd",
+                "cells cdt",
+                "snap",
+                "finding",
+                "refused",
+            ];
             let answers = comments
                 .filter_map(|line| line.trim().split_once(": "))
                 .filter(|(key, _)| known.contains(key))
                 .map(|(key, value)| (key.to_string(), value.to_string()))
                 .collect();
-            let name = path.file_name().expect("it has one").to_string_lossy().into_owned();
-            Hard { name, text, answers }
+            let name = path
+                .file_name()
+                .expect("it has one")
+                .to_string_lossy()
+                .into_owned();
+            Hard {
+                name,
+                text,
+                answers,
+            }
         })
         .collect();
     list.sort_by(|a, b| a.name.cmp(&b.name));
@@ -55,24 +71,41 @@ fn hard_levels() -> Vec<Hard> {
 
 /// A point of the level, which must lie on its grid.
 fn point(level: &Level, text: &str) -> Result<enfilade::geom::GridPoint, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
-    let &[x, y] = &numbers[..] else { return Err(format!("`{text}` is no point")) };
+    let numbers: Vec<f64> = text
+        .split(',')
+        .filter_map(|n| n.trim().parse().ok())
+        .collect();
+    let &[x, y] = &numbers[..] else {
+        return Err(format!("`{text}` is no point"));
+    };
     let p = DVec2::new(x, y);
-    let on_grid = level.grid.nearest(p).filter(|&q| level.grid.to_level(q) == p);
+    let on_grid = level
+        .grid
+        .nearest(p)
+        .filter(|&q| level.grid.to_level(q) == p);
     on_grid.ok_or(format!("({text}) is not on the grid"))
 }
 
 fn check_pair(level: &Level, solved: &Solved, line: &str, wanted: bool) -> Result<(), String> {
     let locator = Locator::new(&solved.graph);
-    let ends = line.split_once(" -> ").ok_or(format!("`{line}` has no arrow"))?;
+    let ends = line
+        .split_once(" -> ")
+        .ok_or(format!("`{line}` has no arrow"))?;
     let at = |text| {
         let cells = locator.cells_at(&solved.graph, &point(level, text)?.into());
-        if cells.is_empty() { Err(format!("({text}) is outside")) } else { Ok(cells) }
+        if cells.is_empty() {
+            Err(format!("({text}) is outside"))
+        } else {
+            Ok(cells)
+        }
     };
     let (from, to) = (at(ends.0)?, at(ends.1)?);
     for &a in &from {
         if let Some(b) = to.iter().find(|b| solved.pvs.sees(a, **b) != wanted) {
-            let (a, b) = (crate::compare::show(&solved.graph, a), crate::compare::show(&solved.graph, *b));
+            let (a, b) = (
+                crate::compare::show(&solved.graph, a),
+                crate::compare::show(&solved.graph, *b),
+            );
             return Err(format!("{line}: sees = {} for cells {a} and {b}", !wanted));
         }
     }
@@ -118,7 +151,10 @@ fn check(hard: &Hard) -> Result<(), String> {
         }
         for count in of(&format!("cells {name}")) {
             if count != solved.graph.cells.len().to_string() {
-                return Err(in_it(format!("{} cells, not {count}", solved.graph.cells.len())));
+                return Err(in_it(format!(
+                    "{} cells, not {count}",
+                    solved.graph.cells.len()
+                )));
             }
         }
         for line in of("sees") {
@@ -152,7 +188,10 @@ fn hard_levels_have_the_answers_worked_out_by_hand() {
     }
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
     let n: usize = list.iter().map(|hard| hard.answers.len()).sum();
-    println!("{} hard levels, {n} answers, three subdivisions, two methods", list.len());
+    println!(
+        "{} hard levels, {n} answers, three subdivisions, two methods",
+        list.len()
+    );
 }
 
 /// TOML refuses walls without length; where a format allows them (Doom), they are dropped.
@@ -164,7 +203,11 @@ fn zero_length_walls_are_dropped_and_reported() {
     strokes.push(Stroke([8, 4], [8, 4], Ink::Solid));
     let level = level(&strokes);
     assert_eq!(level.walls.len(), n);
-    let finding = level.findings.iter().find(|f| f.code == "zero-length-wall").expect("reported");
+    let finding = level
+        .findings
+        .iter()
+        .find(|f| f.code == "zero-length-wall")
+        .expect("reported");
     assert_eq!(finding.places.len(), 2);
     let (solved, _) = solve(&level, Subdivision::Bsp, Doors::Open, None).unwrap();
     assert_eq!(solved.graph.cells.len(), 1);

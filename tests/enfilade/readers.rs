@@ -15,7 +15,10 @@ use proptest::sample::Index;
 use proptest::test_runner::RngSeed;
 
 fn runs(cases: u32) -> ProptestConfig {
-    let factor = std::env::var("ENFILADE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
+    let factor = std::env::var("ENFILADE_CASES")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(1);
     let mut config = ProptestConfig {
         cases: cases * factor,
         failure_persistence: None,
@@ -27,8 +30,10 @@ fn runs(cases: u32) -> ProptestConfig {
     config
 }
 
-fn sample(path: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels").join(path);
+pub fn sample(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("levels")
+        .join(path);
     fs::read_to_string(path).expect("the level is there")
 }
 
@@ -58,12 +63,17 @@ fn read_toml(text: &str) -> bool {
 /// How many maps of the WAD were read.
 fn read_wad(bytes: Vec<u8>) -> usize {
     let Ok(wad) = Wad::parse(bytes) else { return 0 };
-    let drafts = wad.maps().into_iter().map(|map| doom::read_map(&wad, &map.name, "any.wad"));
-    let levels = drafts.filter_map(Result::ok).filter_map(|draft| snap::snap(draft).ok());
+    let drafts = wad
+        .maps()
+        .into_iter()
+        .map(|map| doom::read_map(&wad, &map.name, "any.wad"));
+    let levels = drafts
+        .filter_map(Result::ok)
+        .filter_map(|draft| snap::snap(draft).ok());
     levels.map(|level| solve(&level)).count()
 }
 
-fn wad(lumps: &[(&str, Vec<u8>)]) -> Vec<u8> {
+pub fn wad(lumps: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = b"PWAD".to_vec();
     let content: usize = lumps.iter().map(|(_, data)| data.len()).sum();
     bytes.extend((lumps.len() as u32).to_le_bytes());
@@ -86,15 +96,25 @@ fn words(numbers: &[i16]) -> Vec<u8> {
 }
 
 /// Two square sectors side by side, in Doom's layout.
-fn two_squares() -> Vec<u8> {
+pub fn two_squares() -> Vec<u8> {
     let vertexes = words(&[0, 0, 128, 0, 256, 0, 256, 128, 128, 128, 0, 128]);
     let line = |from, to, back: i16| {
         let flags = if back < 0 { 1 } else { 4 };
-        words(&[from, to, flags, 0, 0, if from == 1 && to == 4 { 2 } else { 0 }, back])
+        words(&[
+            from,
+            to,
+            flags,
+            0,
+            0,
+            if from == 1 && to == 4 { 2 } else { 0 },
+            back,
+        ])
     };
     let ends = [(1, 0), (0, 5), (5, 4), (4, 3), (3, 2), (2, 1), (1, 4)];
-    let linedefs =
-        ends.iter().flat_map(|&(a, b)| line(a, b, if (a, b) == (1, 4) { 1 } else { -1 })).collect();
+    let linedefs = ends
+        .iter()
+        .flat_map(|&(a, b)| line(a, b, if (a, b) == (1, 4) { 1 } else { -1 }))
+        .collect();
     let side = |sector: i16| {
         let mut bytes = words(&[0, 0]);
         bytes.extend(b"-\0\0\0\0\0\0\0-\0\0\0\0\0\0\0WALL\0\0\0\0");
@@ -130,7 +150,11 @@ thing { x = 32.0; y = 32.0; type = 1; }
 "#;
 
 fn udmf(text: &[u8]) -> Vec<u8> {
-    wad(&[("MAP01", Vec::new()), ("TEXTMAP", text.to_vec()), ("ENDMAP", Vec::new())])
+    wad(&[
+        ("MAP01", Vec::new()),
+        ("TEXTMAP", text.to_vec()),
+        ("ENDMAP", Vec::new()),
+    ])
 }
 
 /// A change to some bytes: another byte in place, one more, one less, or a copied stretch.
@@ -171,18 +195,27 @@ fn files_cut_off_anywhere() {
     for text in [sample("tiny.toml"), sample("hard/pinwheel.toml")] {
         let cut = (0..text.len()).filter(|&n| text.is_char_boundary(n));
         let read = cut.filter(|&n| read_toml(&text[..n])).count();
-        assert!(read < text.len() / 2, "{read} of {} beginnings pass for levels", text.len());
+        assert!(
+            read < text.len() / 2,
+            "{read} of {} beginnings pass for levels",
+            text.len()
+        );
     }
     let whole = two_squares();
     // Without its directory a WAD is none.
-    assert_eq!((0..whole.len()).map(|n| read_wad(whole[..n].to_vec())).sum::<usize>(), 0);
+    assert_eq!(
+        (0..whole.len())
+            .map(|n| read_wad(whole[..n].to_vec()))
+            .sum::<usize>(),
+        0
+    );
     for n in 0..UDMF.len() {
         read_wad(udmf(&UDMF.as_bytes()[..n]));
     }
 }
 
 proptest! {
-    #![proptest_config(runs(1500))]
+    #![proptest_config(runs(4000))]
 
     #[test]
     fn toml_with_changes(changes in changes(4), which in 0..4usize) {
@@ -272,6 +305,9 @@ fn pvs_file() -> &'static [u8] {
 fn pvs_files_cut_off_anywhere_are_refused() {
     let bytes = pvs_file();
     for n in 0..bytes.len() {
-        assert!(file::decode(&bytes[..n]).is_err(), "cut off after {n} bytes");
+        assert!(
+            file::decode(&bytes[..n]).is_err(),
+            "cut off after {n} bytes"
+        );
     }
 }

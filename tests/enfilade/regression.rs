@@ -57,7 +57,10 @@ fn flat_triangles_mended_in_any_order_of_walls_are_the_same() {
     for first in 0..strokes.len() {
         let mut shuffled = strokes;
         shuffled.rotate_left(first);
-        for (p, q) in before.iter().zip(&solve_all(&level(&shuffled), Doors::Open).unwrap()) {
+        for (p, q) in before
+            .iter()
+            .zip(&solve_all(&level(&shuffled), Doors::Open).unwrap())
+        {
             identical(p, q).unwrap();
         }
     }

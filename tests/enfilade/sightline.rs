@@ -76,7 +76,9 @@ impl<'a> Sight<'a> {
             let border = borders.contains(&WallId(i));
             (wall, if border { Act::Stops } else { act(wall, doors) })
         });
-        Self { walls: acts.collect() }
+        Self {
+            walls: acts.collect(),
+        }
     }
 
     /// Whether the closed segment touches no opaque wall. Ends of walls and of openings count as
@@ -98,12 +100,15 @@ impl<'a> Sight<'a> {
             let (s, t) = (cross(p, q, a).signum(), cross(p, q, b).signum());
             s * t < 0
         };
-        self.walls.iter().filter(|(_, act)| *act == Act::Cuts).any(|(hole, _)| {
-            cross(a, b, hole.from) == 0
-                && cross(a, b, hole.to) == 0
-                && strictly(p, q, hole.from, hole.to)
-                && strictly(hole.from, hole.to, p, q)
-        })
+        self.walls
+            .iter()
+            .filter(|(_, act)| *act == Act::Cuts)
+            .any(|(hole, _)| {
+                cross(a, b, hole.from) == 0
+                    && cross(a, b, hole.to) == 0
+                    && strictly(p, q, hole.from, hole.to)
+                    && strictly(hole.from, hole.to, p, q)
+            })
     }
 
     /// A free segment that starts in `p` (which must be on no wall), found by shooting in a random
@@ -125,7 +130,11 @@ impl<'a> Sight<'a> {
                 }
             }
             // Far or near, but most often close to the wall, where sightlines are rare.
-            let part = if random.random_bool(0.7) { 0.999 } else { random.random_range(0.1..1.0) };
+            let part = if random.random_bool(0.7) {
+                0.999
+            } else {
+                random.random_range(0.1..1.0)
+            };
             let along = |a: i64, b: i64| a + ((b - a) as f64 * share * part) as i64;
             let q = GridPoint::new(along(p.x, far.x), along(p.y, far.y));
             if q != p && self.is_free(p, q) {

@@ -18,10 +18,26 @@ const EXACT: [&str; 4] = ["geom", "cells", "sight", "pvs"];
 /// Lines of the exact part that name a tolerance after all: part of the file's path, part of the
 /// line, and why.
 const ALLOWED: [(&str, &str, &str); 4] = [
-    ("geom/mod.rs", "compares a floating-point number with a tolerance", "says that there is none"),
-    ("cells/mod.rs", "no step compares with a tolerance", "says that there is none"),
-    ("cells/validate.rs", "to a relative 1e-9", "an area in f64, a check of the result"),
-    ("cells/validate.rs", "1e-9 * scale", "an area in f64, a check of the result"),
+    (
+        "geom/mod.rs",
+        "compares a floating-point number with a tolerance",
+        "says that there is none",
+    ),
+    (
+        "cells/mod.rs",
+        "no step compares with a tolerance",
+        "says that there is none",
+    ),
+    (
+        "cells/validate.rs",
+        "to a relative 1e-9",
+        "an area in f64, a check of the result",
+    ),
+    (
+        "cells/validate.rs",
+        "1e-9 * scale",
+        "an area in f64, a check of the result",
+    ),
 ];
 
 struct Source {
@@ -39,7 +55,9 @@ impl Source {
 
     /// The lines before the in-file tests.
     fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
-        (1..).zip(self.text.lines()).take_while(|(_, line)| line.trim() != "#[cfg(test)]")
+        (1..)
+            .zip(self.text.lines())
+            .take_while(|(_, line)| line.trim() != "#[cfg(test)]")
     }
 
     fn is_test(&self) -> bool {
@@ -59,7 +77,10 @@ fn sources() -> Vec<Source> {
             } else if path.extension().is_some_and(|e| e == "rs") {
                 let text = fs::read_to_string(&path).expect("source is text");
                 let path = path.strip_prefix(&root).expect("below src");
-                list.push(Source { path: path.to_string_lossy().replace('\\', "/"), text });
+                list.push(Source {
+                    path: path.to_string_lossy().replace('\\', "/"),
+                    text,
+                });
             }
         }
     }
@@ -74,7 +95,9 @@ fn imported(line: &str) -> Vec<&str> {
     code.match_indices("crate::")
         .map(|(at, name)| {
             let rest = &code[at + name.len()..];
-            rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default()
+            rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+                .next()
+                .unwrap_or_default()
         })
         .collect()
 }
@@ -89,7 +112,11 @@ fn a_module_imports_only_modules_before_it() {
             let free = source.path == "lib.rs"
                 || source.path == "main.rs"
                 || source.path.starts_with("bin/");
-            assert!(free, "{} belongs to no known module; add it to ORDER", source.path);
+            assert!(
+                free,
+                "{} belongs to no known module; add it to ORDER",
+                source.path
+            );
             continue;
         };
         for (number, line) in (1..).zip(source.text.lines()) {
@@ -110,7 +137,11 @@ fn a_module_imports_only_modules_before_it() {
         }
     }
     assert!(checked > 30, "only {checked} imports found");
-    assert!(wrong.is_empty(), "imports against the order {ORDER:?}:\n{}", wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "imports against the order {ORDER:?}:\n{}",
+        wrong.join("\n")
+    );
 }
 
 /// Whether a line names a tolerance: by a word, or as a small number like 1e-9.
@@ -120,7 +151,10 @@ fn names_tolerance(line: &str) -> bool {
         line[..at].ends_with(|c: char| c.is_ascii_digit())
             && line[at + 2..].starts_with(|c: char| c.is_ascii_digit())
     });
-    small || ["epsilon", "tolerance"].iter().any(|word| line.contains(word))
+    small
+        || ["epsilon", "tolerance"]
+            .iter()
+            .any(|word| line.contains(word))
 }
 
 #[test]
@@ -141,7 +175,11 @@ fn the_exact_part_knows_no_tolerance() {
             }
         }
     }
-    assert!(wrong.is_empty(), "tolerances in the exact part:\n{}", wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "tolerances in the exact part:\n{}",
+        wrong.join("\n")
+    );
 }
 
 #[test]
@@ -150,7 +188,9 @@ fn files_are_named_for_what_they_hold_and_stay_short() {
     let mut wrong = Vec::new();
     for source in sources() {
         for name in source.path.trim_end_matches(".rs").split('/') {
-            let vague = ["util", "utils", "common", "helper", "helpers", "manager", "misc"];
+            let vague = [
+                "util", "utils", "common", "helper", "helpers", "manager", "misc",
+            ];
             if vague.contains(&name) {
                 wrong.push(format!("{}: `{name}` says nothing", source.path));
             }
