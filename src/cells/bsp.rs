@@ -23,7 +23,7 @@ pub struct BspOptions {
 
 impl Default for BspOptions {
     fn default() -> Self {
-        Self { candidates: 12, sample: 128, split_weight: 8, balance_weight: 1 }
+        Self { candidates: 8, sample: 64, split_weight: 8, balance_weight: 1 }
     }
 }
 
@@ -33,7 +33,7 @@ pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOp
     let mut best: Option<(u64, LineId)> = None;
     let mut tried = Vec::with_capacity(options.candidates);
     for candidate in candidates {
-        let line = arrangement.piece(candidate.piece).line;
+        let line = candidate.line;
         if tried.contains(&line) {
             continue;
         }

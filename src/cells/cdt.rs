@@ -6,36 +6,56 @@
 //! those of the leaves of a BSP instead. What comes out tiles the plan exactly.
 
 use rustc_hash::FxHashMap;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
 use super::arrangement::{Arrangement, PieceId};
 use super::mesh::{HalfEdge, Mesh, PieceBetween, join_polygons};
 use crate::geom::{Side, VertexId, orient};
 
+/// A vertex as spade sees it: rounded.
+struct Site {
+    at: Point2<f64>,
+    vertex: VertexId,
+}
+
+impl HasPosition for Site {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.at
+    }
+}
+
 /// Triangles between the arrangement's vertices in which every piece of wall is an edge, as a mesh;
 /// `None` where rounding gave spade a plan that cannot be mended (see the module).
 pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
-    let vertices: Vec<_> = (0..arrangement.vertices.len() as u32).map(VertexId).collect();
-    let points = vertices
-        .iter()
-        .map(|&v| {
-            let p = arrangement.vertices.get(v).approx();
-            Point2::new(p.x, p.y)
+    let n = arrangement.vertices.len();
+    let sites = (0..n as u32)
+        .map(|i| {
+            let p = arrangement.vertices.get(VertexId(i)).approx();
+            Site { at: Point2::new(p.x, p.y), vertex: VertexId(i) }
         })
         .collect();
-    let edges: Vec<[usize; 2]> =
-        arrangement.pieces.iter().map(|p| [p.from.0 as usize, p.to.0 as usize]).collect();
-    let mut conflict = false;
-    let triangulation: ConstrainedDelaunayTriangulation<Point2<f64>> =
-        ConstrainedDelaunayTriangulation::try_bulk_load_cdt(points, edges, |_| conflict = true)
-            .ok()?;
-    // Rounding may also make two vertices one.
-    if conflict || triangulation.num_vertices() != vertices.len() {
+    // First all points, then the walls, in this order: loading both at once would let spade walk
+    // through hash sets with a random seed, and give other triangles in another run.
+    let mut triangulation = ConstrainedDelaunayTriangulation::<Site>::bulk_load(sites).ok()?;
+    // Rounding may make two vertices one.
+    if triangulation.num_vertices() != n {
         return None;
+    }
+    let mut handles = vec![None; n];
+    for site in triangulation.vertices() {
+        handles[site.data().vertex.0 as usize] = Some(site.fix());
+    }
+    for piece in &arrangement.pieces {
+        let (from, to) = (handles[piece.from.0 as usize]?, handles[piece.to.0 as usize]?);
+        if triangulation.try_add_constraint(from, to).is_empty() {
+            return None;
+        }
     }
     let mut triangles: Vec<[VertexId; 3]> = triangulation
         .inner_faces()
-        .map(|face| face.vertices().map(|v| VertexId(v.index() as u32)))
+        .map(|face| face.vertices().map(|v| v.data().vertex))
         .collect();
     mend(arrangement, &mut triangles).then(|| {
         let pieces: PieceBetween =

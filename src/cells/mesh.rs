@@ -86,13 +86,16 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
     let mut stretches: Vec<Stretch> = Vec::with_capacity(2 * n_edges);
     let mut counts = vec![0u32; n_edges];
     let mut twins: Vec<(usize, usize)> = Vec::with_capacity(n_edges);
-    let mut rank: FxHashMap<VertexId, usize> = FxHashMap::default();
+    // Position among the stops of the line at hand; what other lines left there is not looked at.
+    let mut rank = vec![0usize; arrangement.vertices.len()];
+    let (mut stops, mut sides, mut on) = (Vec::new(), Vec::new(), Vec::new());
     for edges in by_line.chunk_by(|a, b| a.0 == b.0) {
         let line = edges[0].0;
         let start = pieces.partition_point(|p| p.0 < line);
         let pieces = pieces[start..].iter().take_while(|p| p.0 == line).map(|p| p.1);
 
-        let mut stops: Vec<VertexId> = edges.iter().flat_map(|(_, e)| [e.from, e.to]).collect();
+        stops.clear();
+        stops.extend(edges.iter().flat_map(|(_, e)| [e.from, e.to]));
         stops.extend(pieces.clone().flat_map(|p| {
             let piece = arrangement.piece(p);
             [piece.from, piece.to]
@@ -103,19 +106,24 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
         stops.sort_by(|&p, &q| {
             line.cmp_along(arrangement.vertices.get(p), arrangement.vertices.get(q))
         });
-        rank.clear();
-        rank.extend(stops.iter().enumerate().map(|(i, &v)| (v, i)));
+        for (i, v) in stops.iter().enumerate() {
+            rank[v.0 as usize] = i;
+        }
+        let rank = |v: VertexId| rank[v.0 as usize];
 
-        let mut sides: Vec<[Option<&LeafEdge>; 2]> = vec![[None, None]; stops.len()];
+        // Per stretch between two stops, the leaf's edge on its left and on its right.
+        sides.clear();
+        sides.resize(stops.len(), [None::<&LeafEdge>; 2]);
         for (_, e) in edges {
-            for stretch in &mut sides[rank[&e.from]..rank[&e.to]] {
+            for stretch in &mut sides[rank(e.from)..rank(e.to)] {
                 stretch[usize::from(!e.left)] = Some(e);
             }
         }
-        let mut on: Vec<Option<PieceId>> = vec![None; stops.len()];
+        on.clear();
+        on.resize(stops.len(), None);
         for p in pieces {
             let piece = arrangement.piece(p);
-            on[rank[&piece.from]..rank[&piece.to]].fill(Some(p));
+            on[rank(piece.from)..rank(piece.to)].fill(Some(p));
         }
         for (i, sides) in sides.iter().enumerate() {
             let mut place = |e: &LeafEdge| {

@@ -12,6 +12,8 @@ use crate::geom::{Line, Side, VertexId};
 pub struct Fragment {
     /// The piece it is part of.
     pub piece: PieceId,
+    /// The piece's line.
+    pub line: LineId,
     /// Its start, in the direction of the piece's line.
     pub from: VertexId,
     /// Its end.
@@ -73,7 +75,7 @@ struct Task {
 pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partition {
     let fragments = (0u32..)
         .zip(&arrangement.pieces)
-        .map(|(i, p)| Fragment { piece: PieceId(i), from: p.from, to: p.to })
+        .map(|(i, p)| Fragment { piece: PieceId(i), line: p.line, from: p.from, to: p.to })
         .collect();
     let mut tree = Partition {
         nodes: Vec::new(),
@@ -167,7 +169,7 @@ fn split_fragments(arrangement: &mut Arrangement, fragments: &[Fragment], line: 
         match arrangement.sides(&f, line) {
             (Side::On, Side::On) => parts.on.push(f),
             (Side::Left, Side::Right) | (Side::Right, Side::Left) => {
-                let middle = arrangement.meet(arrangement.piece(f.piece).line, line);
+                let middle = arrangement.meet(f.line, line);
                 let (before, after) = (Fragment { to: middle, ..f }, Fragment { from: middle, ..f });
                 let left_first = arrangement.side(f.from, line) == Side::Left;
                 let (left, right) = if left_first { (before, after) } else { (after, before) };
@@ -234,7 +236,7 @@ impl Arrangement {
     /// Sides of a line on which a fragment's two ends lie.
     #[inline]
     pub fn sides(&self, f: &Fragment, line: LineId) -> (Side, Side) {
-        if self.piece(f.piece).line == line {
+        if f.line == line {
             return (Side::On, Side::On);
         }
         let line = self.lines.get(line);

@@ -6,6 +6,7 @@
 mod build;
 mod check;
 mod compute;
+mod export;
 mod level_args;
 mod output;
 mod plan;
@@ -29,6 +30,7 @@ struct Cli {
 enum Command {
     Build(build::BuildArgs),
     Check(check::CheckArgs),
+    Export(export::ExportArgs),
     Plan(plan::PlanArgs),
 }
 
@@ -47,6 +49,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Plan(args) => plan::run(&args),
     };
     match result {

@@ -66,6 +66,9 @@ impl Vertex {
     /// Nearest f64 coordinates in grid steps; exact for grid points, else within 3·2^-53 of the
     /// coordinate (two conversions and a division, each correctly rounded).
     pub fn approx(&self) -> DVec2 {
+        if let Some(p) = self.grid() {
+            return DVec2::new(p.x as f64, p.y as f64);
+        }
         let w = self.w as f64;
         DVec2::new(self.x as f64 / w, self.y as f64 / w)
     }

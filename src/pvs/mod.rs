@@ -10,6 +10,7 @@ mod fan;
 pub mod file;
 mod flat;
 pub mod search;
+pub mod sectors;
 pub mod sweep;
 
 use std::fmt;

@@ -3,5 +3,6 @@
 pub mod json;
 pub mod picture;
 pub mod plan;
+pub mod prt;
 pub mod sightlines;
 pub mod wording;

@@ -22,8 +22,17 @@ pub struct Solved {
 
 /// The cells of a level, checked.
 pub fn cells(level: &Level, subdivision: Subdivision, doors: Doors) -> Result<CellGraph, String> {
-    let graph = subdivide(level, &Options { subdivision, doors, ..Options::default() });
-    graph.validate().map_err(|flaw| format!("{}: {flaw}", subdivision.as_str()))?;
+    let graph = subdivide(
+        level,
+        &Options {
+            subdivision,
+            doors,
+            ..Options::default()
+        },
+    );
+    graph
+        .validate()
+        .map_err(|flaw| format!("{}: {flaw}", subdivision.as_str()))?;
     Ok(graph)
 }
 
@@ -38,13 +47,16 @@ pub fn solve(
     let graph = cells(level, subdivision, doors)?;
     let name = subdivision.as_str();
     let pvs = sweep(&graph, &Progress::default());
-    pvs.validate(&graph).map_err(|flaw| format!("{name}, sweep: {flaw}"))?;
+    pvs.validate(&graph)
+        .map_err(|flaw| format!("{name}, sweep: {flaw}"))?;
     let found = match max_steps {
         Some(0) => None,
         limit => search(&graph, limit, &Progress::default()),
     };
     if let Some(found) = &found {
-        found.validate(&graph).map_err(|flaw| format!("{name}, search: {flaw}"))?;
+        found
+            .validate(&graph)
+            .map_err(|flaw| format!("{name}, search: {flaw}"))?;
         if let Some((a, b)) = first_difference(&pvs, found, &graph) {
             let (p, q) = (show(&graph, a), show(&graph, b));
             return Err(format!(
@@ -63,7 +75,11 @@ fn first_difference(p: &Pvs, q: &Pvs, graph: &CellGraph) -> Option<(CellId, Cell
     if p.visible == q.visible {
         return None;
     }
-    let pairs = || graph.cell_ids().flat_map(|a| graph.cell_ids().map(move |b| (a, b)));
+    let pairs = || {
+        graph
+            .cell_ids()
+            .flat_map(|a| graph.cell_ids().map(move |b| (a, b)))
+    };
     pairs().find(|&(a, b)| p.sees(a, b) != q.sees(a, b))
 }
 
@@ -80,8 +96,10 @@ pub fn solve_all(level: &Level, doors: Doors) -> Result<Vec<Solved>, String> {
 
 /// Whether subdivisions of one level cover the same area (in f64, to a relative 1e-9).
 pub fn same_area(graphs: &[&CellGraph]) -> Result<(), String> {
-    let areas: Vec<f64> =
-        graphs.iter().map(|g| g.cell_ids().map(|c| g.area(c)).sum::<f64>()).collect();
+    let areas: Vec<f64> = graphs
+        .iter()
+        .map(|g| g.cell_ids().map(|c| g.area(c)).sum::<f64>())
+        .collect();
     let largest = areas.iter().copied().fold(0.0, f64::max);
     if areas.iter().any(|a| largest - a > 1e-9 * largest) {
         return Err(format!("the subdivisions cover different areas: {areas:?}"));
@@ -106,7 +124,13 @@ pub fn sample(
     n: usize,
     random: &mut impl Rng,
 ) -> Result<usize, String> {
-    let sight = Sight::new(level, doors);
+    // A window to the outside, or a see-through line without a second side, is an edge of the cells.
+    let edges = solved[0].graph.edges.iter();
+    let borders = edges
+        .filter(|e| e.twin().is_none())
+        .filter_map(|e| e.wall())
+        .collect();
+    let sight = Sight::new(level, doors, &borders);
     let locators: Vec<Locator> = solved.iter().map(|s| Locator::new(&s.graph)).collect();
     let points = level.walls.iter().flat_map(|w| [w.from, w.to]);
     let reach = points.map(|p| p.x.abs().max(p.y.abs())).max().unwrap_or(1) + 1;
@@ -117,11 +141,15 @@ pub fn sample(
             break;
         }
         let cell = CellId(random.random_range(0..graph.cells.len() as u32));
-        let Some(p) = point_in(graph, cell, random) else { continue };
+        let Some(p) = point_in(graph, cell, random) else {
+            continue;
+        };
         if !sight.is_free(p, p) {
             continue;
         }
-        let Some(q) = sight.shoot(p, reach, random) else { continue };
+        let Some(q) = sight.shoot(p, reach, random) else {
+            continue;
+        };
         tried += 1;
         for (solved, locator) in solved.iter().zip(&locators) {
             let name = solved.graph.options.subdivision.as_str();
@@ -148,13 +176,25 @@ pub fn sample(
 
 /// A grid point in or on the border of a cell: near a random mean of its corners.
 fn point_in(graph: &CellGraph, cell: CellId, random: &mut impl Rng) -> Option<GridPoint> {
-    let corners: Vec<_> = graph.corners(cell).map(|v| graph.vertices.approx(v)).collect();
-    let weights: Vec<f64> =
-        corners.iter().map(|_| random.random_range(0.0f64..1.0).powi(3) + 1e-9).collect();
+    let corners: Vec<_> = graph
+        .corners(cell)
+        .map(|v| graph.vertices.approx(v))
+        .collect();
+    let weights: Vec<f64> = corners
+        .iter()
+        .map(|_| random.random_range(0.0f64..1.0).powi(3) + 1e-9)
+        .collect();
     let sum: f64 = weights.iter().sum();
-    let p = corners.iter().zip(&weights).map(|(c, w)| *c * (w / sum)).sum::<glam::DVec2>();
+    let p = corners
+        .iter()
+        .zip(&weights)
+        .map(|(c, w)| *c * (w / sum))
+        .sum::<glam::DVec2>();
     let p = GridPoint::new(p.x.round() as i64, p.y.round() as i64);
-    let exact: Vec<&Vertex> = graph.corners(cell).map(|v| graph.vertices.exact(v)).collect();
+    let exact: Vec<&Vertex> = graph
+        .corners(cell)
+        .map(|v| graph.vertices.exact(v))
+        .collect();
     enfilade::cells::locate::contains(&exact, &p.into()).then_some(p)
 }
 
@@ -162,7 +202,12 @@ fn point_in(graph: &CellGraph, cell: CellId, random: &mut impl Rng) -> Option<Gr
 pub fn pools() -> &'static [ThreadPool; 2] {
     static POOLS: OnceLock<[ThreadPool; 2]> = OnceLock::new();
     POOLS.get_or_init(|| {
-        [1, 2].map(|n| ThreadPoolBuilder::new().num_threads(n).build().expect("threads start"))
+        [1, 2].map(|n| {
+            ThreadPoolBuilder::new()
+                .num_threads(n)
+                .build()
+                .expect("threads start")
+        })
     })
 }
 
@@ -176,7 +221,11 @@ pub struct Turn {
 
 impl Turn {
     pub fn all() -> impl Iterator<Item = Turn> {
-        (0..8).map(|i| Turn { flip_x: i & 1 != 0, flip_y: i & 2 != 0, swap: i & 4 != 0 })
+        (0..8).map(|i| Turn {
+            flip_x: i & 1 != 0,
+            flip_y: i & 2 != 0,
+            swap: i & 4 != 0,
+        })
     }
 
     /// Where a point goes.
@@ -197,8 +246,10 @@ fn corners(graph: &CellGraph, turn: Option<Turn>) -> Vec<Vec<Point>> {
         let v = graph.vertices.exact(v);
         turn.map_or(*v, |t| v.mirrored(t.flip_x, t.flip_y, t.swap))
     };
-    let cells: Vec<Vec<Vertex>> =
-        graph.cell_ids().map(|c| graph.polygon(c).into_iter().map(turned).collect()).collect();
+    let cells: Vec<Vec<Vertex>> = graph
+        .cell_ids()
+        .map(|c| graph.polygon(c).into_iter().map(turned).collect())
+        .collect();
     let all = || cells.iter().flatten().filter_map(Vertex::grid);
     let low = [all().map(|p| p.x).min(), all().map(|p| p.y).min()].map(Option::unwrap_or_default);
     let from_low = |v: &Vertex| {
@@ -225,15 +276,18 @@ pub fn same_turned(before: &Solved, after: &Solved, turn: Turn) -> Result<(), St
             after.graph.cells.len()
         ));
     }
-    let number: HashMap<Vec<Point>, CellId> =
-        corners(&after.graph, None).into_iter().zip(after.graph.cell_ids()).collect();
+    let number: HashMap<Vec<Point>, CellId> = corners(&after.graph, None)
+        .into_iter()
+        .zip(after.graph.cell_ids())
+        .collect();
     let twins = corners(&before.graph, Some(turn))
         .iter()
         .zip(before.graph.cell_ids())
         .map(|(corners, c)| {
             let twin = number.get(corners);
             let cell = show(&before.graph, c);
-            twin.copied().ok_or_else(|| format!("{name}: no cell {cell} after {turn:?}"))
+            twin.copied()
+                .ok_or_else(|| format!("{name}: no cell {cell} after {turn:?}"))
         })
         .collect::<Result<Vec<_>, _>>()?;
     for a in before.graph.cell_ids() {
@@ -257,7 +311,12 @@ pub fn same_turned(before: &Solved, after: &Solved, turn: Turn) -> Result<(), St
 pub fn identical(p: &Solved, q: &Solved) -> Result<(), String> {
     let name = p.graph.options.subdivision.as_str();
     let list = |s: &Solved| -> Vec<Vec<Vertex>> {
-        let cell = |c| s.graph.corners(c).map(|v| *s.graph.vertices.exact(v)).collect();
+        let cell = |c| {
+            s.graph
+                .corners(c)
+                .map(|v| *s.graph.vertices.exact(v))
+                .collect()
+        };
         s.graph.cell_ids().map(cell).collect()
     };
     if list(p) != list(q) {
@@ -285,14 +344,26 @@ fn overlap(a: &[Vertex], b: &[Vertex]) -> bool {
 /// many pairs were compared.
 pub fn nothing_new(before: &Solved, after: &Solved) -> Result<usize, String> {
     let polygons = |s: &Solved| -> Vec<Vec<Vertex>> {
-        let cell = |c| s.graph.polygon(c).into_iter().map(|v| *s.graph.vertices.exact(v)).collect();
+        let cell = |c| {
+            s.graph
+                .polygon(c)
+                .into_iter()
+                .map(|v| *s.graph.vertices.exact(v))
+                .collect()
+        };
         s.graph.cell_ids().map(cell).collect()
     };
     assert_eq!(before.graph.grid, after.graph.grid);
     let (old, new) = (polygons(before), polygons(after));
     let under: Vec<Vec<CellId>> = new
         .iter()
-        .map(|p| before.graph.cell_ids().filter(|c| overlap(p, &old[c.0 as usize])).collect())
+        .map(|p| {
+            before
+                .graph
+                .cell_ids()
+                .filter(|c| overlap(p, &old[c.0 as usize]))
+                .collect()
+        })
         .collect();
     let mut pairs = 0;
     for a in after.graph.cell_ids() {

@@ -7,6 +7,7 @@ mod reference;
 mod sightline;
 
 mod agree;
+mod cli;
 mod hard;
 mod property;
 mod readers;

@@ -42,7 +42,9 @@ pub fn rectangle(low: [i64; 2], high: [i64; 2], ink: Ink) -> Vec<Stroke> {
 /// A closed outline.
 pub fn ring(points: &[[i64; 2]], ink: Ink) -> Vec<Stroke> {
     let n = points.len();
-    (0..n).map(|i| Stroke(points[i], points[(i + 1) % n], ink)).collect()
+    (0..n)
+        .map(|i| Stroke(points[i], points[(i + 1) % n], ink))
+        .collect()
 }
 
 /// The level of some strokes: its inside is what they enclose.
@@ -54,7 +56,13 @@ pub fn level(strokes: &[Stroke]) -> Level {
 pub fn moved(strokes: &[Stroke], by: [f64; 2]) -> Level {
     let walls = (0u32..).zip(strokes).map(|(i, &Stroke(from, to, ink))| {
         let opening = |style, shut| {
-            WallKind::Opening(Opening { style, name: None, shut, bottom: None, top: None })
+            WallKind::Opening(Opening {
+                style,
+                name: None,
+                shut,
+                bottom: None,
+                top: None,
+            })
         };
         let at = |p: [i64; 2]| DVec2::new(p[0] as f64 + by[0], p[1] as f64 + by[1]);
         DraftWall {

@@ -13,9 +13,7 @@ use proptest::test_runner::{RngSeed, TestCaseError, TestRunner};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-use crate::compare::{
-    Solved, Turn, identical, nothing_new, pools, same_turned, sample, solve_all,
-};
+use crate::compare::{Solved, Turn, identical, nothing_new, pools, same_turned, sample, solve_all};
 use crate::plan::{Ink, Stroke, level, moved, rectangle, ring};
 use crate::reference;
 
@@ -26,7 +24,10 @@ fn on_random<S: Strategy>(
     strategy: S,
     check: impl Fn(S::Value) -> Result<usize, String>,
 ) {
-    let factor = std::env::var("ENFILADE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
+    let factor = std::env::var("ENFILADE_CASES")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(1);
     let mut config = ProptestConfig {
         cases: cases * factor,
         failure_persistence: None,
@@ -45,7 +46,10 @@ fn on_random<S: Strategy>(
     if let Err(error) = result {
         panic!("{name}, seed {seed}: {error}");
     }
-    println!("{name}: {cases} levels, {} comparisons, seed {seed}", counted.get());
+    println!(
+        "{name}: {cases} levels, {} comparisons, seed {seed}",
+        counted.get()
+    );
 }
 
 type Points = [i64; 2];
@@ -56,8 +60,11 @@ fn point(size: i64) -> impl Strategy<Value = Points> {
 
 /// Any walls on a small grid: crossings, T-junctions, overlaps and duplicates all over.
 fn tangle(size: i64, most: usize) -> impl Strategy<Value = Vec<Stroke>> {
-    prop::collection::vec((point(size), point(size)), 1..=most)
-        .prop_map(|list| list.into_iter().map(|(a, b)| Stroke(a, b, Ink::Solid)).collect())
+    prop::collection::vec((point(size), point(size)), 1..=most).prop_map(|list| {
+        list.into_iter()
+            .map(|(a, b)| Stroke(a, b, Ink::Solid))
+            .collect()
+    })
 }
 
 /// Walls that lie on few lines, so that they overlap, repeat, and look along each other.
@@ -82,7 +89,15 @@ fn boxes() -> impl Strategy<Value = Vec<Stroke>> {
     prop::collection::vec(square, 1..4).prop_map(|list| {
         list.into_iter()
             .flat_map(|(x, y, a, b)| {
-                ring(&[[x, y], [x + a, y + b], [x + a - b, y + b + a], [x - b, y + a]], Ink::Solid)
+                ring(
+                    &[
+                        [x, y],
+                        [x + a, y + b],
+                        [x + a - b, y + b + a],
+                        [x - b, y + a],
+                    ],
+                    Ink::Solid,
+                )
             })
             .map(|Stroke(p, q, ink)| {
                 let within = |p: Points| p.map(|n| n.clamp(0, 20));
@@ -162,7 +177,15 @@ fn any_walls() -> BoxedStrategy<Vec<Stroke>> {
 
 /// Walls with openings and see-through lines on and off them.
 fn any_inks() -> BoxedStrategy<Vec<Stroke>> {
-    let inks = [Ink::Solid, Ink::Wall, Ink::Wall, Ink::Archway, Ink::Door, Ink::Line, Ink::ShutLine];
+    let inks = [
+        Ink::Solid,
+        Ink::Wall,
+        Ink::Wall,
+        Ink::Archway,
+        Ink::Door,
+        Ink::Line,
+        Ink::ShutLine,
+    ];
     let ink = || prop::sample::select(inks.to_vec());
     let free = (point(6), point(6), ink()).prop_map(|(a, b, ink)| Stroke(a, b, ink));
     let in_line = (0..4i64, 0..=6i64, 0..=6i64, ink()).prop_map(|(line, a, b, ink)| {
@@ -266,7 +289,11 @@ fn order_direction_threads_and_place_change_nothing() {
         }
         // The place itself is not lost.
         let (near, far) = (before[0].graph.grid, far.grid);
-        if [far.origin[0] - near.origin[0], far.origin[1] - near.origin[1]] != [1_000_000, -1_000_000] {
+        if [
+            far.origin[0] - near.origin[0],
+            far.origin[1] - near.origin[1],
+        ] != [1_000_000, -1_000_000]
+        {
             return Err(format!("moved from {near:?} to {far:?}"));
         }
         Ok(9)
@@ -300,8 +327,9 @@ fn turned_and_mirrored_levels_have_turned_and_mirrored_cells() {
                 .map(|&Stroke(a, b, ink)| Stroke(turn.point(a), turn.point(b), ink))
                 .collect();
             let wanted = shape(&strokes, turn);
-            let same: Vec<Turn> =
-                Turn::all().filter(|&t| shape(&strokes, t) == wanted).collect();
+            let same: Vec<Turn> = Turn::all()
+                .filter(|&t| shape(&strokes, t) == wanted)
+                .collect();
             for (p, q) in before.iter().zip(&solve_all(&level(&turned), Doors::Open)?) {
                 let first = same_turned(p, q, turn);
                 if first.is_err() && same.iter().all(|&t| same_turned(p, q, t).is_err()) {
@@ -325,7 +353,11 @@ fn a_wall_more_never_shows_more() {
         let before = solve_all(&level(&strokes), Doors::Open)?;
         strokes.push(Stroke(a, b, Ink::Solid));
         let after = solve_all(&level(&strokes), Doors::Open)?;
-        before.iter().zip(&after).map(|(p, q)| nothing_new(p, q)).sum()
+        before
+            .iter()
+            .zip(&after)
+            .map(|(p, q)| nothing_new(p, q))
+            .sum()
     });
 }
 
@@ -333,15 +365,28 @@ fn a_wall_more_never_shows_more() {
 fn closed_doors_only_hide() {
     on_random("closed doors", 500, any_inks(), |strokes| {
         let level = level(&strokes);
-        let (open, closed) = (solve_all(&level, Doors::Open)?, solve_all(&level, Doors::Closed)?);
-        open.iter().zip(&closed).map(|(p, q)| nothing_new(p, q)).sum()
+        let (open, closed) = (
+            solve_all(&level, Doors::Open)?,
+            solve_all(&level, Doors::Closed)?,
+        );
+        open.iter()
+            .zip(&closed)
+            .map(|(p, q)| nothing_new(p, q))
+            .sum()
     });
 }
 
 /// A TOML level: a row of rooms of different heights on the plan, doors between neighbours, and
 /// what stands in them.
 fn rooms() -> impl Strategy<Value = String> {
-    let room = (1..6i64, 0..4i64, 5..9i64, 0..8u8, (1..4i64, 1..4i64), 0..3u8);
+    let room = (
+        1..6i64,
+        0..4i64,
+        5..9i64,
+        0..8u8,
+        (1..4i64, 1..4i64),
+        0..3u8,
+    );
     (prop::collection::vec(room, 2..6), any::<bool>()).prop_map(|(list, slanted)| {
         let mut text = String::new();
         let mut x = 0;
@@ -365,8 +410,11 @@ fn rooms() -> impl Strategy<Value = String> {
                 text += &format!("[[wall]]\npoints = [[{x}, {cy}], [{}, {cy}]]\n", cx - 0.4);
             }
             if i > 0 {
-                let (kind, state) =
-                    [("door", ""), ("archway", ""), ("door", "state = \"open\"\n")][door as usize];
+                let (kind, state) = [
+                    ("door", ""),
+                    ("archway", ""),
+                    ("door", "state = \"open\"\n"),
+                ][door as usize];
                 text += &format!(
                     "[[{kind}]]\nbetween = [\"{}\", \"{i}\"]\nwidth = 0.7\n{state}",
                     i - 1
@@ -383,7 +431,10 @@ fn rooms_with_doors_keep_all_promises() {
     on_random("rooms", 250, rooms(), |text| {
         let level = toml::read(&text, "rooms.toml").map_err(|e| format!("{e}\n{text}"))?;
         assert_eq!(level.interior, Interior::Outlines);
-        let (open, closed) = (solve_all(&level, Doors::Open)?, solve_all(&level, Doors::Closed)?);
+        let (open, closed) = (
+            solve_all(&level, Doors::Open)?,
+            solve_all(&level, Doors::Closed)?,
+        );
         let mut n = sample(&level, Doors::Open, &open, 60, &mut random())?;
         n += sample(&level, Doors::Closed, &closed, 60, &mut random())?;
         for (p, q) in open.iter().zip(&closed) {

@@ -25,7 +25,11 @@ struct Ratio(IBig, IBig);
 
 impl Ratio {
     fn new(n: IBig, d: IBig) -> Self {
-        if d < IBig::ZERO { Self(-n, -d) } else { Self(n, d) }
+        if d < IBig::ZERO {
+            Self(-n, -d)
+        } else {
+            Self(n, d)
+        }
     }
 
     fn cmp(&self, other: &Self) -> Ordering {
@@ -37,7 +41,10 @@ impl Ratio {
     }
 
     fn middle(&self, other: &Self) -> Self {
-        Self(&self.0 * &other.1 + &other.0 * &self.1, &self.1 * &other.1 * IBig::from(2))
+        Self(
+            &self.0 * &other.1 + &other.0 * &self.1,
+            &self.1 * &other.1 * IBig::from(2),
+        )
     }
 
     /// A fraction between two others with a small denominator (down the Stern–Brocot tree).
@@ -86,7 +93,13 @@ impl Plan {
         };
         let cells = graph
             .cell_ids()
-            .map(|c| graph.polygon(c).into_iter().map(|v| id(*graph.vertices.exact(v))).collect())
+            .map(|c| {
+                graph
+                    .polygon(c)
+                    .into_iter()
+                    .map(|v| id(*graph.vertices.exact(v)))
+                    .collect()
+            })
             .collect();
         let walls: Vec<(usize, usize, Act)> = level
             .walls
@@ -113,7 +126,12 @@ impl Plan {
                 (0..walls.len()).filter(|&i| cuts(&walls[i])).collect()
             })
             .collect();
-        Plan { points, walls, cutters, cells }
+        Plan {
+            points,
+            walls,
+            cutters,
+            cells,
+        }
     }
 }
 
@@ -218,7 +236,9 @@ fn look_along(plan: &Plan, heights: &[Ratio], c: &Ratio, bits: &mut BitMatrix) {
             .map(|i| (corners[i], corners[(i + 1) % n]))
             .filter(|&(a, b)| above(a) != above(b))
             .map(|(a, b)| meet(a, b));
-        let (Some(p), Some(q)) = (ends.next(), ends.next()) else { continue };
+        let (Some(p), Some(q)) = (ends.next(), ends.next()) else {
+            continue;
+        };
         let middle = p.middle(&q);
         let gap = stops.partition_point(|s| s.cmp(&middle) == Ordering::Less);
         between.push((gap, cell));

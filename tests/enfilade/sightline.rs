@@ -1,8 +1,10 @@
 //! Whether a segment between two grid points is free, decided from the walls alone in integers.
 
+use std::collections::HashSet;
+
 use enfilade::cells::Doors;
 use enfilade::geom::GridPoint;
-use enfilade::level::{Level, Wall, WallKind};
+use enfilade::level::{Level, Wall, WallId, WallKind};
 use rand::{Rng, RngExt};
 
 /// Whether an opening, or a see-through wall, is shut.
@@ -67,8 +69,16 @@ pub struct Sight<'a> {
 }
 
 impl<'a> Sight<'a> {
-    pub fn new(level: &'a Level, doors: Doors) -> Self {
-        Self { walls: level.walls.iter().map(|w| (w, act(w, doors))).collect() }
+    /// The walls of a level; those of `borders`, behind which the outside of the level lies, count
+    /// as opaque.
+    pub fn new(level: &'a Level, doors: Doors, borders: &HashSet<WallId>) -> Self {
+        let acts = (0u32..).zip(&level.walls).map(|(i, wall)| {
+            let border = borders.contains(&WallId(i));
+            (wall, if border { Act::Stops } else { act(wall, doors) })
+        });
+        Self {
+            walls: acts.collect(),
+        }
     }
 
     /// Whether the closed segment touches no opaque wall. Ends of walls and of openings count as
@@ -90,12 +100,15 @@ impl<'a> Sight<'a> {
             let (s, t) = (cross(p, q, a).signum(), cross(p, q, b).signum());
             s * t < 0
         };
-        self.walls.iter().filter(|(_, act)| *act == Act::Cuts).any(|(hole, _)| {
-            cross(a, b, hole.from) == 0
-                && cross(a, b, hole.to) == 0
-                && strictly(p, q, hole.from, hole.to)
-                && strictly(hole.from, hole.to, p, q)
-        })
+        self.walls
+            .iter()
+            .filter(|(_, act)| *act == Act::Cuts)
+            .any(|(hole, _)| {
+                cross(a, b, hole.from) == 0
+                    && cross(a, b, hole.to) == 0
+                    && strictly(p, q, hole.from, hole.to)
+                    && strictly(hole.from, hole.to, p, q)
+            })
     }
 
     /// A free segment that starts in `p` (which must be on no wall), found by shooting in a random
@@ -117,7 +130,11 @@ impl<'a> Sight<'a> {
                 }
             }
             // Far or near, but most often close to the wall, where sightlines are rare.
-            let part = if random.random_bool(0.7) { 0.999 } else { random.random_range(0.1..1.0) };
+            let part = if random.random_bool(0.7) {
+                0.999
+            } else {
+                random.random_range(0.1..1.0)
+            };
             let along = |a: i64, b: i64| a + ((b - a) as f64 * share * part) as i64;
             let q = GridPoint::new(along(p.x, far.x), along(p.y, far.y));
             if q != p && self.is_free(p, q) {
