@@ -22,17 +22,33 @@ const MAPS: [(&str, &str); 4] = [
 
 fn main() {
     // cargo passes --bench; a filter names maps.
-    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
     println!(
         "{:<6} {:<4} {:>6} {:>9} {:>9} | {:>9} {:>7} {:>7} | {:>9} {:>8} {:>7} | {:>6} {:>6}",
-        "map", "cut", "cells", "pairs", "cut ms", "sweep ms", "ns/pair", "×2 thr", "search ms",
-        "ns/pair", "×sweep", "cut/pvs", "agree"
+        "map",
+        "cut",
+        "cells",
+        "pairs",
+        "cut ms",
+        "sweep ms",
+        "ns/pair",
+        "×2 thr",
+        "search ms",
+        "ns/pair",
+        "×sweep",
+        "cut/pvs",
+        "agree"
     );
     for (file, map) in MAPS {
         if !wanted.is_empty() && !wanted.iter().any(|w| w == map) {
             continue;
         }
-        let Some(level) = load(file, map) else { continue };
+        let Some(level) = load(file, map) else {
+            continue;
+        };
         for subdivision in Subdivision::ALL {
             measure(map, &level, subdivision);
         }
@@ -42,7 +58,10 @@ fn main() {
 fn load(file: &str, map: &str) -> Option<Level> {
     let path = Path::new("/usr/share/games/doom").join(file);
     let Ok(bytes) = std::fs::read(&path) else {
-        eprintln!("left out {map}: {} is not there (apt-get install freedoom)", path.display());
+        eprintln!(
+            "left out {map}: {} is not there (apt-get install freedoom)",
+            path.display()
+        );
         return None;
     };
     let wad = Wad::parse(bytes).expect("the WAD is sound");
@@ -50,7 +69,10 @@ fn load(file: &str, map: &str) -> Option<Level> {
 }
 
 fn measure(map: &str, level: &Level, subdivision: Subdivision) {
-    let options = Options { subdivision, ..Options::default() };
+    let options = Options {
+        subdivision,
+        ..Options::default()
+    };
     let (cut, graph) = median(5, || subdivide(level, &options));
     let one = pool(1);
     let runs = if graph.cells.len() > 4000 { 3 } else { 9 };
@@ -59,8 +81,11 @@ fn measure(map: &str, level: &Level, subdivision: Subdivision) {
     let (sweep_two, _) =
         pool(2).install(|| median(runs, || sweep::sweep(&graph, &Progress::default())));
     let runs = if graph.cells.len() > 4000 { 1 } else { 3 };
-    let (search_one, found) = one
-        .install(|| median(runs, || search::search(&graph, None, &Progress::default()).unwrap()));
+    let (search_one, found) = one.install(|| {
+        median(runs, || {
+            search::search(&graph, None, &Progress::default()).unwrap()
+        })
+    });
     let pairs = pvs.pairs() as f64;
     println!(
         "{map:<6} {:<4} {:>6} {:>9} {:>9.1} | {:>9.1} {:>7.1} {:>7.2} | {:>9.1} {:>8.1} {:>7.1} | {:>6.2} {:>6}",
@@ -75,13 +100,20 @@ fn measure(map: &str, level: &Level, subdivision: Subdivision) {
         search_one * 1e9 / pairs,
         search_one / sweep_one,
         cut / sweep_one,
-        if found.visible == pvs.visible { "yes" } else { "NO" },
+        if found.visible == pvs.visible {
+            "yes"
+        } else {
+            "NO"
+        },
     );
     assert_eq!(found.visible, pvs.visible, "sweep and search must agree");
 }
 
 fn pool(threads: usize) -> rayon::ThreadPool {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start")
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("threads start")
 }
 
 /// Median seconds of `runs` runs after one that is not counted (unless there is only one), and the

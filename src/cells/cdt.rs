@@ -33,7 +33,10 @@ pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
     let sites = (0..n as u32)
         .map(|i| {
             let p = arrangement.vertices.get(VertexId(i)).approx();
-            Site { at: Point2::new(p.x, p.y), vertex: VertexId(i) }
+            Site {
+                at: Point2::new(p.x, p.y),
+                vertex: VertexId(i),
+            }
         })
         .collect();
     // First all points, then the walls, in this order: loading both at once would let spade walk
@@ -48,7 +51,10 @@ pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
         handles[site.data().vertex.0 as usize] = Some(site.fix());
     }
     for piece in &arrangement.pieces {
-        let (from, to) = (handles[piece.from.0 as usize]?, handles[piece.to.0 as usize]?);
+        let (from, to) = (
+            handles[piece.from.0 as usize]?,
+            handles[piece.to.0 as usize]?,
+        );
         if triangulation.try_add_constraint(from, to).is_empty() {
             return None;
         }
@@ -58,8 +64,10 @@ pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
         .map(|face| face.vertices().map(|v| v.data().vertex))
         .collect();
     mend(arrangement, &mut triangles).then(|| {
-        let pieces: PieceBetween =
-            (0u32..).zip(&arrangement.pieces).map(|(i, p)| ((p.from, p.to), PieceId(i))).collect();
+        let pieces: PieceBetween = (0u32..)
+            .zip(&arrangement.pieces)
+            .map(|(i, p)| ((p.from, p.to), PieceId(i)))
+            .collect();
         order_by_place(arrangement, &mut triangles);
         let polygons: Vec<_> = triangles.iter().map(|t| t.to_vec()).collect();
         join_polygons(&pieces, &polygons)
@@ -102,13 +110,17 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
         let [p, q, r] = t.map(|v| arrangement.vertices.get(v));
         orient(p, q, r)
     };
-    let mut bad: Vec<usize> =
-        (0..triangles.len()).filter(|&i| side(&triangles[i]) != Side::Left).collect();
+    let mut bad: Vec<usize> = (0..triangles.len())
+        .filter(|&i| side(&triangles[i]) != Side::Left)
+        .collect();
     if bad.is_empty() {
         return true;
     }
-    let walls: FxHashMap<(VertexId, VertexId), ()> =
-        arrangement.pieces.iter().map(|p| ((p.from.min(p.to), p.from.max(p.to)), ())).collect();
+    let walls: FxHashMap<(VertexId, VertexId), ()> = arrangement
+        .pieces
+        .iter()
+        .map(|p| ((p.from.min(p.to), p.from.max(p.to)), ()))
+        .collect();
     let mut edge_of: FxHashMap<(VertexId, VertexId), usize> = FxHashMap::default();
     for (i, t) in triangles.iter().enumerate() {
         for k in 0..3 {
@@ -123,7 +135,8 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
             continue;
         }
         let t = triangles[i];
-        let Some(k) = (0..3).find(|&k| is_between(arrangement, t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
+        let Some(k) =
+            (0..3).find(|&k| is_between(arrangement, t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
         else {
             return false;
         };
@@ -169,14 +182,16 @@ fn is_between(arrangement: &Arrangement, v: VertexId, p: VertexId, q: VertexId) 
 pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
     let mut triangles = Vec::new();
     for cell in 0..mesh.n_cells() {
-        let mut rest: Vec<VertexId> =
-            mesh.edges[mesh.range(cell)].iter().map(|e| e.origin).collect();
+        let mut rest: Vec<VertexId> = mesh.edges[mesh.range(cell)]
+            .iter()
+            .map(|e| e.origin)
+            .collect();
         // Cut off one true corner after the other; what is left stays convex, with all its points.
         while rest.len() > 3 {
             let n = rest.len();
             let turn = |i: usize| {
-                let [p, q, r] = [(i + n - 1) % n, i, (i + 1) % n]
-                    .map(|i| arrangement.vertices.get(rest[i]));
+                let [p, q, r] =
+                    [(i + n - 1) % n, i, (i + 1) % n].map(|i| arrangement.vertices.get(rest[i]));
                 orient(p, q, r) == Side::Left
             };
             // Cutting off corner i is allowed if that does not leave the rest on one line, which
@@ -192,7 +207,14 @@ pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
     // The BSP has split pieces of wall further: take the stretches as they are in the mesh.
     let stretch = |(e, edge): (usize, &HalfEdge)| {
         let (from, to) = (edge.origin, mesh.end(e));
-        Some((if edge.left_of_piece { (from, to) } else { (to, from) }, edge.piece?))
+        Some((
+            if edge.left_of_piece {
+                (from, to)
+            } else {
+                (to, from)
+            },
+            edge.piece?,
+        ))
     };
     let pieces: PieceBetween = mesh.edges.iter().enumerate().filter_map(stretch).collect();
     join_polygons(&pieces, &triangles)
@@ -204,5 +226,7 @@ fn spans_area(arrangement: &Arrangement, polygon: &[VertexId], i: usize) -> bool
         .filter(|&k| k != i)
         .map(|k| arrangement.vertices.get(polygon[k]))
         .collect();
-    others.windows(3).any(|w| orient(w[0], w[1], w[2]) != Side::On)
+    others
+        .windows(3)
+        .any(|w| orient(w[0], w[1], w[2]) != Side::On)
 }

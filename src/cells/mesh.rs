@@ -49,7 +49,11 @@ impl Mesh {
     /// Where a half-edge ends.
     pub fn end(&self, edge: usize) -> VertexId {
         let range = self.range(self.edges[edge].cell as usize);
-        let next = if edge + 1 == range.end { range.start } else { edge + 1 };
+        let next = if edge + 1 == range.end {
+            range.start
+        } else {
+            edge + 1
+        };
         self.edges[next].origin
     }
 }
@@ -79,8 +83,12 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
     let mut by_line = leaf_edges(arrangement, partition);
     let n_edges = by_line.len();
     by_line.sort_by_key(|(line, e)| (*line, e.edge));
-    let mut pieces: Vec<(LineId, PieceId)> =
-        arrangement.pieces.iter().zip(0u32..).map(|(p, i)| (p.line, PieceId(i))).collect();
+    let mut pieces: Vec<(LineId, PieceId)> = arrangement
+        .pieces
+        .iter()
+        .zip(0u32..)
+        .map(|(p, i)| (p.line, PieceId(i)))
+        .collect();
     pieces.sort_unstable();
 
     let mut stretches: Vec<Stretch> = Vec::with_capacity(2 * n_edges);
@@ -92,7 +100,10 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
     for edges in by_line.chunk_by(|a, b| a.0 == b.0) {
         let line = edges[0].0;
         let start = pieces.partition_point(|p| p.0 < line);
-        let pieces = pieces[start..].iter().take_while(|p| p.0 == line).map(|p| p.1);
+        let pieces = pieces[start..]
+            .iter()
+            .take_while(|p| p.0 == line)
+            .map(|p| p.1);
 
         stops.clear();
         stops.extend(edges.iter().flat_map(|(_, e)| [e.from, e.to]));
@@ -161,7 +172,16 @@ fn leaf_edges(arrangement: &Arrangement, partition: &Partition) -> Vec<(LineId, 
             let left = arrangement.lines.get(line).cmp_along(p, q).is_lt();
             let (from, to) = if left { (from, to) } else { (to, from) };
             let edge = list.len() as u32;
-            list.push((line, LeafEdge { edge, cell, from, to, left }));
+            list.push((
+                line,
+                LeafEdge {
+                    edge,
+                    cell,
+                    from,
+                    to,
+                    left,
+                },
+            ));
         }
     }
     list
@@ -188,15 +208,21 @@ fn assemble(
     let position = |s: &Stretch| {
         // The edge of a leaf on the right of its line runs against the line.
         let i = s.edge as usize;
-        let number = if s.half_edge.left_of_piece { s.number } else { counts[i] - 1 - s.number };
+        let number = if s.half_edge.left_of_piece {
+            s.number
+        } else {
+            counts[i] - 1 - s.number
+        };
         starts[i] + number
     };
     let mut edges: Vec<Option<HalfEdge>> = vec![None; stretches.len()];
     for s in stretches {
         edges[position(s) as usize] = Some(s.half_edge);
     }
-    let mut edges: Vec<HalfEdge> =
-        edges.into_iter().map(|e| e.expect("every position is taken once")).collect();
+    let mut edges: Vec<HalfEdge> = edges
+        .into_iter()
+        .map(|e| e.expect("every position is taken once"))
+        .collect();
     for &(l, r) in twins {
         let (l, r) = (position(&stretches[l]), position(&stretches[r]));
         edges[l as usize].twin = Some(r);
@@ -210,7 +236,10 @@ pub type PieceBetween = FxHashMap<(VertexId, VertexId), PieceId>;
 
 /// Joins polygons that already meet corner to corner (a triangulation's). Counterclockwise.
 pub fn join_polygons(pieces: &PieceBetween, polygons: &[Vec<VertexId>]) -> Mesh {
-    let mut mesh = Mesh { edges: Vec::new(), first: vec![0] };
+    let mut mesh = Mesh {
+        edges: Vec::new(),
+        first: vec![0],
+    };
     let mut open: FxHashMap<(VertexId, VertexId), u32> = FxHashMap::default();
     for (cell, polygon) in (0u32..).zip(polygons) {
         for (i, &from) in polygon.iter().enumerate() {

@@ -75,7 +75,12 @@ struct Task {
 pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partition {
     let fragments = (0u32..)
         .zip(&arrangement.pieces)
-        .map(|(i, p)| Fragment { piece: PieceId(i), line: p.line, from: p.from, to: p.to })
+        .map(|(i, p)| Fragment {
+            piece: PieceId(i),
+            line: p.line,
+            from: p.from,
+            to: p.to,
+        })
         .collect();
     let mut tree = Partition {
         nodes: Vec::new(),
@@ -86,7 +91,12 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
     };
     let region = bounding_box(arrangement);
     // An own stack: a room of 10,000 walls makes a tree 10,000 deep.
-    let mut tasks = vec![Task { region, fragments, parent: None, depth: 0 }];
+    let mut tasks = vec![Task {
+        region,
+        fragments,
+        parent: None,
+        depth: 0,
+    }];
     while let Some(task) = tasks.pop() {
         tree.depth = tree.depth.max(task.depth);
         let child = if task.fragments.is_empty() {
@@ -99,7 +109,12 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
             tree.splits += parts.splits;
             let id = tree.nodes.len() as u32;
             let unset = Child::Leaf(u32::MAX);
-            tree.nodes.push(Node { line, left: unset, right: unset, on: parts.on });
+            tree.nodes.push(Node {
+                line,
+                left: unset,
+                right: unset,
+                on: parts.on,
+            });
             let depth = task.depth + 1;
             let parent = |side| Some((id, side));
             tasks.push(Task {
@@ -170,9 +185,14 @@ fn split_fragments(arrangement: &mut Arrangement, fragments: &[Fragment], line: 
             (Side::On, Side::On) => parts.on.push(f),
             (Side::Left, Side::Right) | (Side::Right, Side::Left) => {
                 let middle = arrangement.meet(f.line, line);
-                let (before, after) = (Fragment { to: middle, ..f }, Fragment { from: middle, ..f });
+                let (before, after) =
+                    (Fragment { to: middle, ..f }, Fragment { from: middle, ..f });
                 let left_first = arrangement.side(f.from, line) == Side::Left;
-                let (left, right) = if left_first { (before, after) } else { (after, before) };
+                let (left, right) = if left_first {
+                    (before, after)
+                } else {
+                    (after, before)
+                };
                 parts.left.push(left);
                 parts.right.push(right);
                 parts.splits += 1;
@@ -240,12 +260,16 @@ impl Arrangement {
             return (Side::On, Side::On);
         }
         let line = self.lines.get(line);
-        (self.vertices.side(f.from, line), self.vertices.side(f.to, line))
+        (
+            self.vertices.side(f.from, line),
+            self.vertices.side(f.to, line),
+        )
     }
 
     /// The vertex in which two lines meet that are known to.
     fn meet(&mut self, l: LineId, m: LineId) -> VertexId {
         let vertex = self.lines.get(l).meet(self.lines.get(m));
-        self.vertices.insert(vertex.expect("lines that part an edge's ends are not parallel to it"))
+        self.vertices
+            .insert(vertex.expect("lines that part an edge's ends are not parallel to it"))
     }
 }

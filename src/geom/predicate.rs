@@ -118,11 +118,19 @@ impl Vertices {
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = approx.iter().fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
+            let m = approx
+                .iter()
+                .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
             m * m * 2f64.powi(-45)
         };
         let narrow = width(&exact) <= 127;
-        Self { exact, approx, all_grid, narrow, bound }
+        Self {
+            exact,
+            approx,
+            all_grid,
+            narrow,
+            bound,
+        }
     }
 
     /// Number of vertices.
@@ -155,7 +163,10 @@ impl Vertices {
     /// The vertex with its f64 copy.
     #[inline]
     pub fn placed(&self, id: VertexId) -> Placed {
-        Placed { id, at: self.approx(id) }
+        Placed {
+            id,
+            at: self.approx(id),
+        }
     }
 
     /// As [`orient`], for vertices at hand.
@@ -197,7 +208,11 @@ impl Vertices {
     #[inline(never)]
     fn orient_exact(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
         let [p, q, r] = [p, q, r].map(|v| self.exact(v));
-        if self.narrow { orient_narrow(p, q, r) } else { orient(p, q, r) }
+        if self.narrow {
+            orient_narrow(p, q, r)
+        } else {
+            orient(p, q, r)
+        }
     }
 
     /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same
@@ -226,7 +241,8 @@ impl VertexSet {
         *self.ids.entry(v).or_insert_with(|| {
             self.list.push(v);
             let narrow = |p: GridPoint| Some([p.x.try_into().ok()?, p.y.try_into().ok()?]);
-            self.grid.push(v.grid().and_then(narrow).unwrap_or(OFF_GRID));
+            self.grid
+                .push(v.grid().and_then(narrow).unwrap_or(OFF_GRID));
             VertexId(self.list.len() as u32 - 1)
         })
     }

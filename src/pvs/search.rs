@@ -69,7 +69,11 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn new(mesh: &'a FlatMesh<'a>) -> Self {
-        Self { mesh, funnel: Funnel::default(), frames: Vec::new() }
+        Self {
+            mesh,
+            funnel: Funnel::default(),
+            frames: Vec::new(),
+        }
     }
 
     /// Sets the bits of the cells seen from `source`; returns the cells entered, more than `budget`
@@ -87,7 +91,8 @@ impl<'a> Walk<'a> {
             }
             mark(mesh.edge(entry).cell);
             steps += 1;
-            self.funnel.begin(mesh.edge(first).end, mesh.edge(entry).end);
+            self.funnel
+                .begin(mesh.edge(first).end, mesh.edge(entry).end);
             self.frames.push(self.enter(entry, None));
             while let Some(frame) = self.frames.last_mut() {
                 if frame.next == frame.entry || steps > budget {
@@ -114,7 +119,8 @@ impl<'a> Walk<'a> {
                     let next = self.enter(twin, undo);
                     *self.frames.last_mut().unwrap() = next;
                 } else if let Some(undo) =
-                    self.funnel.extend(vertices, (end, seen), (right, right_seen))
+                    self.funnel
+                        .extend(vertices, (end, seen), (right, right_seen))
                 {
                     if self.funnel.leads_left() {
                         self.funnel.undo(&undo);

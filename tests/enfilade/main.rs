@@ -11,5 +11,6 @@ mod cli;
 mod hard;
 mod property;
 mod readers;
+mod readme;
 mod regression;
 mod tidy;
