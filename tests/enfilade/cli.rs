@@ -442,3 +442,72 @@ fn what_samples_say_is_utf8_text() {
     let (_folder, path) = file("latin1.toml", b"name = \"Caf\xe9\"\n");
     refused(&["build", &path], &["latin1.toml"]);
 }
+
+#[test]
+fn the_pvs_file_says_what_the_json_says() {
+    let (_folder, pvs) = file("house.pvs", b"old");
+    let value = {
+        let output = enfilade(&[
+            "build",
+            &level("house.toml"),
+            "-q",
+            "-o",
+            &pvs,
+            "--json",
+            "-",
+        ]);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        serde_json::from_slice::<Value>(&output.stdout).expect("nothing but JSON")
+    };
+    let bytes = fs::read(&pvs).expect("it was written");
+    let back = enfilade::pvs::file::decode(&bytes).expect("what was written is read");
+    let rows: Vec<Vec<u32>> = back
+        .graph
+        .cell_ids()
+        .map(|c| back.pvs.seen_from(c).map(|d| d.0).collect())
+        .collect();
+    assert_eq!(
+        value["visible"],
+        serde_json::to_value(rows).expect("numbers")
+    );
+    // The same command gives the same bytes, on any number of threads.
+    let (_other_folder, other) = file("other.pvs", b"");
+    let again = enfilade(&[
+        "build",
+        &level("house.toml"),
+        "-q",
+        "-o",
+        &other,
+        "--threads",
+        "1",
+    ]);
+    assert_eq!(again.status.code(), Some(0));
+    assert_eq!(fs::read(&other).expect("it was written"), bytes);
+}
+
+#[test]
+fn a_reject_table_for_two_squares_that_see_each_other() {
+    let whole = two_squares();
+    let (folder, path) = file("two.wad", &whole);
+    let out = folder.path().join("out.wad").to_string_lossy().into_owned();
+    let output = enfilade(&["export", "reject", &path, "-o", &out, "-q"]);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let wad = enfilade::level::wad::Wad::parse(fs::read(&out).expect("written")).expect("a WAD");
+    // Two sectors, two by two bits, none of them set.
+    assert_eq!(wad.lump_named("REJECT"), Some(&[0u8][..]));
+    assert_eq!(fs::read(&path).expect("the source stays"), whole);
+    refused(
+        &["export", "reject", &level("tiny.toml"), "-o", &out],
+        &["tiny.toml"],
+    );
+}
