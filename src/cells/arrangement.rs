@@ -99,6 +99,11 @@ impl LineSet {
         &self.list[id.0 as usize]
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// Number of lines.
     pub fn len(&self) -> usize {
         self.list.len()

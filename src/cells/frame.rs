@@ -55,7 +55,7 @@ impl Frame {
             });
             (print, frame)
         });
-        // Equal prints: the level is its own mirror image, and either frame gives the same cells.
+        // Equal prints: the level is its own mirror image, and so are the cells of the two frames.
         candidates.min_by_key(|c| c.0).map(|c| c.1).unwrap()
     }
 

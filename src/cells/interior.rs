@@ -242,7 +242,8 @@ fn by_outlines(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec<Lab
 
 /// Plans: inside is what walls and openings part from the unbounded outside, and, given start
 /// points, what can be reached from one of them without crossing an opaque wall. Inside an outline
-/// without a sector (a pillar) is outside. The first sector, if there is one, is everywhere.
+/// without a sector (a pillar) is outside. The last zone around a place gives its sector, or else it
+/// is the first one, if there is any.
 fn by_enclosure(
     level: &Level,
     arrangement: &Arrangement,
@@ -251,6 +252,10 @@ fn by_enclosure(
 ) -> Vec<Label> {
     let sector = (!level.sectors.is_empty()).then_some(SectorId(0));
     let around = outlines_around(level, arrangement, mesh);
+    let zone = |cell: u32| {
+        let last = around[cell as usize].last()?;
+        level.outlines[last.0 as usize].sector
+    };
     let solid = |cell: u32| {
         let outline = |id: &OutlineId| &level.outlines[id.0 as usize];
         around[cell as usize]
@@ -277,7 +282,7 @@ fn by_enclosure(
             let inside = enclosed && (starts.is_empty() || reached.contains(&reach.find(cell)));
             Label {
                 inside,
-                sector: sector.filter(|_| inside),
+                sector: zone(cell).or(sector).filter(|_| inside),
                 also: Vec::new(),
             }
         })

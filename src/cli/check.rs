@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use super::level_args::{LevelArgs, open};
 use super::output::{self, Output};
 use super::{Answer, complain};
-use crate::cells::{Options, findings, subdivide};
+use crate::cells::{Options, subdivide};
 use crate::level::read::Source;
 use crate::level::{Finding, Level, Place};
+use crate::report::check;
 use crate::report::wording::{count, grouped};
 
 /// How many places of a finding the text shows; the JSON has all.
@@ -89,7 +90,7 @@ fn check(source: &Source, map: Option<&str>) -> Result<(Level, Vec<Finding>)> {
     let graph = subdivide(&level, &Options::default());
     let mut all = level.findings.clone();
     all.extend(graph.findings.iter().cloned());
-    all.extend(findings::of_cells(&level, &graph));
+    all.extend(check::of_cells(&level, &graph));
     all.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok((level, all))
 }

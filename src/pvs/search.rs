@@ -34,7 +34,7 @@ pub fn search(graph: &CellGraph, max_steps: Option<u64>, progress: &Progress) ->
                 return;
             }
             let budget = limit.saturating_sub(steps.load(Relaxed));
-            let taken = walk.from_cell(CellId(source as u32), row, budget);
+            let taken = walk.see_from(CellId(source as u32), row, budget);
             if steps.fetch_add(taken, Relaxed) + taken > limit {
                 given_up.store(true, Relaxed);
             }
@@ -78,7 +78,7 @@ impl<'a> Walk<'a> {
 
     /// Sets the bits of the cells seen from `source`; returns the cells entered, more than `budget`
     /// if that ran out.
-    fn from_cell(&mut self, source: CellId, row: &mut [u64], budget: u64) -> u64 {
+    fn see_from(&mut self, source: CellId, row: &mut [u64], budget: u64) -> u64 {
         let mesh = self.mesh;
         let vertices = &mesh.graph.vertices;
         let mut mark = |cell: u32| row[cell as usize / 64] |= 1 << (cell % 64);
