@@ -34,6 +34,9 @@ impl Default for BspOptions {
 
 /// The best line among a few of the fragments' own.
 pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOptions) -> LineId {
+    if let [only] = fragments {
+        return only.line;
+    }
     let candidates = spread(fragments, options.candidates.max(1));
     let mut best: Option<(u64, LineId)> = None;
     let mut tried = Vec::with_capacity(options.candidates);

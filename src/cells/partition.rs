@@ -90,6 +90,7 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
         depth: 0,
     };
     let region = bounding_box(arrangement);
+    let mut sides = Vec::new();
     // An own stack: a room of 10,000 walls makes a tree 10,000 deep.
     let mut tasks = vec![Task {
         region,
@@ -105,7 +106,7 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
         } else {
             let line = choose(arrangement, &task.fragments);
             let parts = split_fragments(arrangement, &task.fragments, line);
-            let (left, right) = split_region(arrangement, &task.region, line);
+            let (left, right) = split_region(arrangement, &task.region, line, &mut sides);
             tree.splits += parts.splits;
             let id = tree.nodes.len() as u32;
             let unset = Child::Leaf(u32::MAX);
@@ -204,9 +205,16 @@ fn split_fragments(arrangement: &mut Arrangement, fragments: &[Fragment], line: 
     parts
 }
 
-/// Cuts a convex region that the line passes through into its left and its right part.
-fn split_region(arrangement: &mut Arrangement, region: &Region, line: LineId) -> (Region, Region) {
-    let sides: Vec<Side> = region.iter().map(|c| arrangement.side(c.0, line)).collect();
+/// Cuts a convex region that the line passes through into its left and its right part. `sides` is
+/// room to work in.
+fn split_region(
+    arrangement: &mut Arrangement,
+    region: &Region,
+    line: LineId,
+    sides: &mut Vec<Side>,
+) -> (Region, Region) {
+    sides.clear();
+    sides.extend(region.iter().map(|c| arrangement.side(c.0, line)));
     let mut left = Region::with_capacity(region.len() + 2);
     let mut right = Region::with_capacity(region.len() + 2);
     for (i, &(corner, edge)) in region.iter().enumerate() {
