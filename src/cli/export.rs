@@ -94,7 +94,11 @@ struct CellArgs {
 impl CellArgs {
     fn options(&self) -> Options {
         let (subdivision, doors) = (self.subdivision.into(), self.doors.into());
-        Options { subdivision, doors, ..Options::default() }
+        Options {
+            subdivision,
+            doors,
+            ..Options::default()
+        }
     }
 }
 
@@ -119,20 +123,29 @@ fn reject(args: &RejectArgs) -> Result<Answer> {
         [_] if args.map.is_empty() => there,
         _ if args.all => there,
         _ if args.map.is_empty() => {
-            bail!("{name}: name a map with --map, or take --all; the maps are: {}", there.join(", "))
+            bail!(
+                "{name}: name a map with --map, or take --all; the maps are: {}",
+                there.join(", ")
+            )
         }
         _ => args.map.clone(),
     };
     let mut output = Output::create(&args.output)?;
     let mut lumps: Vec<(String, Vec<u8>)> = Vec::new();
     for map in maps {
-        if lumps.iter().any(|(done, _)| done.eq_ignore_ascii_case(&map)) {
+        if lumps
+            .iter()
+            .any(|(done, _)| done.eq_ignore_ascii_case(&map))
+        {
             continue;
         }
         let level = source.level(Some(&map))?;
         let n = level.sectors.len();
         // Triangles cost least: fewer corners in all than the other subdivisions have.
-        let options = Options { subdivision: Subdivision::Cdt, ..Options::default() };
+        let options = Options {
+            subdivision: Subdivision::Cdt,
+            ..Options::default()
+        };
         let graph = subdivide(&level, &options);
         let pvs = visibility(&graph, &map, args.quiet);
         let sees = sectors::sectors(n, &graph, &pvs);
@@ -140,11 +153,15 @@ fn reject(args: &RejectArgs) -> Result<Answer> {
         if !args.quiet {
             let share = 100.0 * hidden as f64 / ((n * n).max(1)) as f64;
             let sectors = count(n, "sector");
-            complain(&format!("{map}: {sectors}, {share:.1} % of all pairs rejected"));
+            complain(&format!(
+                "{map}: {sectors}, {share:.1} % of all pairs rejected"
+            ));
         }
         lumps.push((map, sectors::reject(&sees)));
     }
-    let copy = wad.with_rejects(&lumps).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    let copy = wad
+        .with_rejects(&lumps)
+        .map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     output.write(|out| out.write_all(&copy))?;
     output::commit([output])?;
     Ok(Answer::Yes)
@@ -160,9 +177,15 @@ fn portals(args: &PrtArgs) -> Result<Answer> {
     })?;
     output::commit([output])?;
     if !args.quiet {
-        let (leaves, portals) = (count_of(graph.cells.len(), "leaf", "leaves"), count(written, "portal"));
+        let (leaves, portals) = (
+            count_of(graph.cells.len(), "leaf", "leaves"),
+            count(written, "portal"),
+        );
         let closed = graph.portals.len() - written;
-        complain(&format!("{}: {leaves}, {portals}, {closed} more that never open", level.name));
+        complain(&format!(
+            "{}: {leaves}, {portals}, {closed} more that never open",
+            level.name
+        ));
     }
     Ok(Answer::Yes)
 }

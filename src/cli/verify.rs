@@ -45,8 +45,11 @@ pub fn run(args: &VerifyArgs) -> Result<Answer> {
     let named = source.maps().into_iter().find(|map| *map == file.info.name);
     let map = args.level.map.clone().or(named);
     let level = source.level(map.as_deref())?;
-    let options =
-        VerifyOptions { segments: args.segments, points: args.points, seed: args.seed };
+    let options = VerifyOptions {
+        segments: args.segments,
+        points: args.points,
+        seed: args.seed,
+    };
     match verify(&file, &level, &options) {
         Ok(done) => {
             if !args.quiet {

@@ -111,7 +111,13 @@ mod tests {
         "#;
         let level = toml::read(text, "rooms.toml").unwrap();
         for subdivision in Subdivision::ALL {
-            let graph = subdivide(&level, &Options { subdivision, ..Options::default() });
+            let graph = subdivide(
+                &level,
+                &Options {
+                    subdivision,
+                    ..Options::default()
+                },
+            );
             let pvs = sweep::sweep(&graph, &Progress::default());
             let sees = sectors(3, &graph, &pvs);
             assert!(sees.get(0, 1) && sees.get(1, 2) && sees.get(1, 1));
@@ -134,12 +140,22 @@ mod tests {
     }
 
     fn random_segments_are_never_rejected(level: &Level, subdivision: Subdivision, n: usize) {
-        let graph = subdivide(level, &Options { subdivision, ..Options::default() });
+        let graph = subdivide(
+            level,
+            &Options {
+                subdivision,
+                ..Options::default()
+            },
+        );
         let pvs = sweep::sweep(&graph, &Progress::default());
         let n_sectors = level.sectors.len();
         let lump = reject(&sectors(n_sectors, &graph, &pvs));
         let locator = Locator::new(&graph);
-        let opaque: Vec<_> = level.walls.iter().filter(|w| w.kind == WallKind::Solid).collect();
+        let opaque: Vec<_> = level
+            .walls
+            .iter()
+            .filter(|w| w.kind == WallKind::Solid)
+            .collect();
         let mut rng = Pcg64Mcg::seed_from_u64(7);
         let corners: Vec<GridPoint> = graph.vertices.iter().filter_map(|v| v.grid()).collect();
         let mut free = 0;
@@ -154,7 +170,9 @@ mod tests {
             }
         };
         for _ in 0..n {
-            let (Some((p, from)), Some((q, to))) = (point(), point()) else { continue };
+            let (Some((p, from)), Some((q, to))) = (point(), point()) else {
+                continue;
+            };
             let bit = from * n_sectors + to;
             // Seen pairs need no proof here: only hidden ones are of interest.
             if lump[bit / 8] >> (bit % 8) & 1 == 0 {
@@ -173,14 +191,22 @@ mod tests {
     /// Needs the Debian package `freedoom`; does nothing without it.
     #[test]
     fn a_reject_never_hides_what_a_free_segment_joins() {
-        let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else { return };
+        let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else {
+            return;
+        };
         let wad = wad::Wad::parse(bytes).unwrap();
         for map in ["E1M1", "E1M5", "E2M4"] {
             let draft = doom::read_map(&wad, map, "freedoom1.wad").unwrap();
             let level = snap::snap(draft).unwrap();
             let all: Vec<_> = Subdivision::ALL
                 .map(|subdivision| {
-                    let graph = subdivide(&level, &Options { subdivision, ..Options::default() });
+                    let graph = subdivide(
+                        &level,
+                        &Options {
+                            subdivision,
+                            ..Options::default()
+                        },
+                    );
                     let pvs = sweep::sweep(&graph, &Progress::default());
                     sectors(level.sectors.len(), &graph, &pvs)
                 })

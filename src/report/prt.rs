@@ -51,7 +51,13 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/levels/house.toml");
         let level = toml::read(&std::fs::read_to_string(path).unwrap(), "house.toml").unwrap();
         for subdivision in Subdivision::ALL {
-            let graph = subdivide(&level, &Options { subdivision, ..Options::default() });
+            let graph = subdivide(
+                &level,
+                &Options {
+                    subdivision,
+                    ..Options::default()
+                },
+            );
             let mut bytes = Vec::new();
             let n = write(&mut bytes, &graph).unwrap();
             let text = String::from_utf8(bytes).unwrap();

@@ -18,7 +18,10 @@ pub(super) fn check(
     let mut near = Vec::new();
     for cell in graph.cell_ids() {
         convex(graph, cell)?;
-        let corners: Vec<&Vertex> = graph.corners(cell).map(|v| graph.vertices.exact(v)).collect();
+        let corners: Vec<&Vertex> = graph
+            .corners(cell)
+            .map(|v| graph.vertices.exact(v))
+            .collect();
         let (low, high) = extent(&corners);
         walls.all.near(low, high, &mut near);
         for &i in &near {
@@ -67,7 +70,10 @@ fn convex(graph: &CellGraph, cell: CellId) -> Result<(), Failure> {
     let ids: Vec<_> = graph.corners(cell).collect();
     let n = ids.len();
     for i in 0..n {
-        let (p, q) = (graph.vertices.exact(ids[i]), graph.vertices.exact(ids[(i + 1) % n]));
+        let (p, q) = (
+            graph.vertices.exact(ids[i]),
+            graph.vertices.exact(ids[(i + 1) % n]),
+        );
         let sides = || ids.iter().map(|&v| orient(p, q, graph.vertices.exact(v)));
         let again = ids[i + 1..].contains(&ids[i]);
         if again || sides().any(|s| s == Side::Right) || !sides().any(|s| s == Side::Left) {
@@ -119,7 +125,11 @@ fn collinear(ends: [&Vertex; 2], walls: impl Iterator<Item = Stretch>) -> Vec<In
         .filter_map(|s| {
             let (p, q): (Vertex, Vertex) = (s.from.into(), s.to.into());
             let on = |v| orient(low, high, v) == Side::On;
-            let (p, q) = if compare(&p, &q).is_lt() { (p, q) } else { (q, p) };
+            let (p, q) = if compare(&p, &q).is_lt() {
+                (p, q)
+            } else {
+                (q, p)
+            };
             let overlap = on(&p) && on(&q) && compare(&p, high).is_lt() && compare(low, &q).is_lt();
             overlap.then_some((p, q, s.wall))
         })
@@ -144,5 +154,9 @@ fn covers(ends: [&Vertex; 2], intervals: &[Interval]) -> bool {
 }
 
 fn ordered<'a>(p: &'a Vertex, q: &'a Vertex) -> (&'a Vertex, &'a Vertex) {
-    if compare(p, q).is_lt() { (p, q) } else { (q, p) }
+    if compare(p, q).is_lt() {
+        (p, q)
+    } else {
+        (q, p)
+    }
 }

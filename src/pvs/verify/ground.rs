@@ -4,9 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use super::walls::Walls;
+use super::walls::{Stretch, Walls};
 use super::{Failure, Verified, VerifyOptions};
-use crate::cells::{CellId, Locator};
+use crate::cells::{CellId, EdgeId, Locator};
 use crate::geom::{GridPoint, Side, Vertex, orient};
 use crate::level::{Interior, Level, OutlineId, SectorId};
 use crate::pvs::file::PvsFile;
@@ -14,7 +14,9 @@ use crate::pvs::file::PvsFile;
 /// Points that one chunk of work tries.
 const CHUNK: u64 = 4096;
 /// Steps of [`Ground::explore`].
-const STEPS: usize = 4000;
+const STEPS: usize = 2000;
+/// Points tried beyond each edge that faces the outside without an opaque wall.
+const BEYOND: usize = 16;
 
 /// What the walls say about a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,23 +27,30 @@ enum Word {
     Contested,
 }
 
-/// Tries random points, half of them beside corners of cells.
+/// Tries random points, half of them beside corners of cells, and looks beyond the `outer` edges.
 pub(super) fn check(
     file: &PvsFile,
     level: &Level,
     walls: &Walls,
+    outer: &[bool],
     options: &VerifyOptions,
     done: &mut Verified,
 ) -> Result<(), Failure> {
     if file.graph.cells.is_empty() || level.walls.is_empty() {
         return Ok(());
     }
-    let ground = Ground { file, level, walls, rays: [0, 1, 2, 3].map(|turn| Ray::new(level, walls, turn)) };
+    let ground = Ground {
+        file,
+        level,
+        walls,
+        rays: [0, 1, 2, 3].map(|turn| Ray::new(walls, turn)),
+    };
     let locator = Locator::new(&file.graph);
     let chunks: Vec<Result<[u64; 3], Failure>> = (0..options.points.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(2).wrapping_add(chunk << 32));
+            let mut rng =
+                Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(2).wrapping_add(chunk << 32));
             let n = CHUNK.min(options.points - chunk * CHUNK);
             let mut counts = [0; 3];
             for _ in 0..n {
@@ -59,6 +68,14 @@ pub(super) fn check(
         done.outside += outside;
         done.contested += contested;
     }
+    let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
+    for edge in (0u32..)
+        .map(EdgeId)
+        .zip(outer)
+        .filter_map(|(e, outer)| outer.then_some(e))
+    {
+        ground.look_beyond(&locator, edge, &mut rng)?;
+    }
     Ok(())
 }
 
@@ -73,7 +90,10 @@ impl Ground<'_> {
     fn random_point(&self, rng: &mut Pcg64Mcg) -> GridPoint {
         let (low, high) = self.walls.all.extent();
         if rng.random_bool(0.5) {
-            return GridPoint::new(rng.random_range(low.x..=high.x), rng.random_range(low.y..=high.y));
+            return GridPoint::new(
+                rng.random_range(low.x..=high.x),
+                rng.random_range(low.y..=high.y),
+            );
         }
         let vertices = &self.file.graph.vertices;
         let v = crate::geom::VertexId(rng.random_range(0..vertices.len() as u32));
@@ -94,7 +114,7 @@ impl Ground<'_> {
         let exact: Vertex = point.into();
         let cells = locator.cells_at(graph, &exact);
         let within = |&cell: &CellId| {
-            let mut edges = graph.edge_range(cell).map(crate::cells::EdgeId);
+            let mut edges = graph.edge_range(cell).map(EdgeId);
             edges.all(|e| {
                 let (p, q) = (graph.edge(e).origin, graph.end(e));
                 orient(graph.vertices.exact(p), graph.vertices.exact(q), &exact) == Side::Left
@@ -113,12 +133,24 @@ impl Ground<'_> {
             (Word::Contested, _) | (Word::Inside(_), None) | (Word::Outside, Some(_)) => false,
         };
         let mut contested = false;
-        if !agrees(word) && !matches!(self.level.interior, Interior::Outlines) {
-            // Walls around one place may contradict each other; what can be reached decides.
-            contested = true;
-            word = self.explore(point, rng);
-            if word == Word::Contested {
+        match &self.level.interior {
+            _ if agrees(word) => {}
+            Interior::Outlines => {}
+            // Cells whose borders all lie on walls are enclosed; and where there are start points,
+            // ground without cells need only be out of reach.
+            Interior::Enclosed { .. } if word == Word::Contested && holder.is_some() => {
+                word = Word::Inside(None);
+            }
+            Interior::Enclosed { starts } if word == Word::Contested && !starts.is_empty() => {
                 return Ok(Some(2));
+            }
+            // Walls around one place may contradict each other; what can be reached decides.
+            _ => {
+                contested = true;
+                word = self.explore(point, rng);
+                if word == Word::Contested {
+                    return Ok(Some(2));
+                }
             }
         }
         match (word, holder) {
@@ -126,18 +158,68 @@ impl Ground<'_> {
             (Word::Outside, Some(cell)) => Err(Failure::Outside(point, cell)),
             (Word::Inside(sector), Some(cell)) => {
                 let found = graph.cell(cell);
-                let named = sector.is_none_or(|s| found.sector == Some(s) || found.also.contains(&s));
-                if named { Ok(Some(if contested { 2 } else { 0 })) } else { Err(Failure::Sector(point, cell)) }
+                let named =
+                    sector.is_none_or(|s| found.sector == Some(s) || found.also.contains(&s));
+                if named {
+                    Ok(Some(if contested { 2 } else { 0 }))
+                } else {
+                    Err(Failure::Sector(point, cell))
+                }
             }
             _ => Ok(Some(if contested { 2 } else { 1 })),
         }
+    }
+
+    /// Finds points close behind an edge (on the same ground as the edge's far side, as no wall
+    /// but those on the edge's own line lies between), which must not be inside the level.
+    fn look_beyond(
+        &self,
+        locator: &Locator,
+        edge: EdgeId,
+        rng: &mut Pcg64Mcg,
+    ) -> Result<(), Failure> {
+        let graph = &self.file.graph;
+        let ends = [graph.edge(edge).origin, graph.end(edge)];
+        let [p, q] = ends.map(|v| graph.vertices.approx(v));
+        let [exact_p, exact_q] = ends.map(|v| graph.vertices.exact(v));
+        for _ in 0..BEYOND {
+            let at = p.lerp(q, rng.random::<f64>());
+            let mut near = |at: f64| at.round() as i64 + rng.random_range(-2..=2);
+            let [near_side, far_side] = [(); 2].map(|()| GridPoint::new(near(at.x), near(at.y)));
+            let side = |point: GridPoint| orient(exact_p, exact_q, &point.into());
+            if side(near_side) != Side::Left || side(far_side) != Side::Right {
+                continue;
+            }
+            // Through the edge itself, and through nothing else.
+            let through = [Side::Left, Side::Right].map(|s| {
+                let (from, to) = (near_side.into(), far_side.into());
+                orient(&from, &to, if s == Side::Left { exact_q } else { exact_p }) == s
+            });
+            let on_edge = |s: &Stretch| side(s.from) == Side::On && side(s.to) == Side::On;
+            if through != [true; 2] || !self.walls.all.touched_only(near_side, far_side, on_edge) {
+                continue;
+            }
+            let word = match self.ask(far_side) {
+                Word::Outside => Word::Outside,
+                _ => self.explore(far_side, rng),
+            };
+            let covered = !locator.cells_at(graph, &far_side.into()).is_empty();
+            if covered || matches!(word, Word::Inside(_)) {
+                return Err(Failure::NoWall(edge));
+            }
+            return Ok(());
+        }
+        Ok(())
     }
 
     /// What the walls that rays from the point meet say about it.
     fn ask(&self, point: GridPoint) -> Word {
         match &self.level.interior {
             Interior::Sides => {
-                let answers = self.rays.each_ref().map(|ray| ray.sector(self.level, self.walls, point));
+                let answers = self
+                    .rays
+                    .each_ref()
+                    .map(|ray| ray.sector(self.level, self.walls, point));
                 if answers.contains(&None) {
                     return Word::Outside;
                 }
@@ -159,9 +241,15 @@ impl Ground<'_> {
             }
             Interior::Enclosed { .. } => {
                 let around = self.rays[0].outlines(self.level, self.walls, point);
-                let void = around.iter().any(|id| self.level.outlines[id.0 as usize].sector.is_none());
+                let void = around
+                    .iter()
+                    .any(|id| self.level.outlines[id.0 as usize].sector.is_none());
                 let escapes = |ray: &Ray| ray.sector(self.level, self.walls, point).is_none();
-                if void || self.rays.iter().any(escapes) { Word::Outside } else { Word::Contested }
+                if void || self.rays.iter().any(escapes) {
+                    Word::Outside
+                } else {
+                    Word::Contested
+                }
             }
         }
     }
@@ -170,6 +258,9 @@ impl Ground<'_> {
     /// border the same ground. Ground from which a ray escapes is outside; other ground is inside if
     /// any wall names a sector for it.
     fn explore(&self, point: GridPoint, rng: &mut Pcg64Mcg) -> Word {
+        if matches!(self.level.interior, Interior::Outlines) {
+            return self.ask(point);
+        }
         let mut reached = vec![point];
         let mut named = None;
         let (low, high) = self.walls.all.extent();
@@ -210,8 +301,12 @@ struct Ray {
 }
 
 impl Ray {
-    fn new(_level: &Level, walls: &Walls, turn: usize) -> Self {
-        let spans = walls.all.list.iter().map(|s| (turned(s.from, turn).x, turned(s.to, turn).x));
+    fn new(walls: &Walls, turn: usize) -> Self {
+        let spans = walls
+            .all
+            .list
+            .iter()
+            .map(|s| (turned(s.from, turn).x, turned(s.to, turn).x));
         let spans: Vec<(i64, i64)> = spans.map(|(a, b)| (a.min(b), a.max(b))).collect();
         let low = spans.iter().map(|s| s.0).min().unwrap_or(0);
         let high = spans.iter().map(|s| s.1).max().unwrap_or(0);
@@ -225,7 +320,12 @@ impl Ray {
                 columns[column as usize].push(i as u32);
             }
         }
-        Self { turn, low, shift, columns }
+        Self {
+            turn,
+            low,
+            shift,
+            columns,
+        }
     }
 
     /// The walls above the point (in the turned frame), a hair to the right of it, with its height
@@ -237,7 +337,9 @@ impl Ray {
     ) -> impl Iterator<Item = (u32, Height, bool)> + 'a {
         let p = turned(point, self.turn);
         let column = usize::try_from((p.x - self.low) >> self.shift).ok();
-        let list = column.and_then(|c| self.columns.get(c)).map_or(&[][..], |c| c);
+        let list = column
+            .and_then(|c| self.columns.get(c))
+            .map_or(&[][..], |c| c);
         list.iter().filter_map(move |&i| {
             let s = &walls.all.list[i as usize];
             let (from, to) = (turned(s.from, self.turn), turned(s.to, self.turn));
@@ -281,7 +383,9 @@ impl Ray {
             .filter_map(|(i, ..)| level.walls[walls.all.list[i as usize].wall.0 as usize].outline)
             .collect();
         crossed.sort();
-        let odd = crossed.chunk_by(|a, b| a == b).filter(|group| group.len() % 2 == 1);
+        let odd = crossed
+            .chunk_by(|a, b| a == b)
+            .filter(|group| group.len() % 2 == 1);
         odd.map(|group| group[0]).collect()
     }
 }

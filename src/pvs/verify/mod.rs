@@ -41,7 +41,11 @@ pub struct VerifyOptions {
 
 impl Default for VerifyOptions {
     fn default() -> Self {
-        Self { segments: 1_000_000, points: 100_000, seed: 1 }
+        Self {
+            segments: 1_000_000,
+            points: 100_000,
+            seed: 1,
+        }
     }
 }
 
@@ -62,7 +66,7 @@ pub struct Verified {
     pub inside: u64,
     /// Random points that lie in no cell, and outside by the walls.
     pub outside: u64,
-    /// Random points about which the level's walls contradict each other.
+    /// Random points about which the level's walls contradict each other, or say nothing.
     pub contested: u64,
     /// Segments that touch no opaque wall.
     pub free: u64,
@@ -90,7 +94,8 @@ pub enum Failure {
     WallInside(WallId, CellId),
     /// An opaque wall lies on a portal.
     WallOnPortal(WallId, EdgeId),
-    /// An edge is no portal, but no wall of the level lies along all of it.
+    /// An edge is no portal, but no wall of the level lies along all of it, or only one that does
+    /// not stop sight, with the level's inside on both sides.
     NoWall(EdgeId),
     /// A point of the inside lies in no cell.
     Lost(GridPoint),
@@ -126,11 +131,7 @@ pub enum Failure {
 ///
 /// # Errors
 /// The first [`Failure`]; which one that is does not depend on the number of threads.
-pub fn verify(
-    file: &PvsFile,
-    level: &Level,
-    options: &VerifyOptions,
-) -> Result<Verified, Failure> {
+pub fn verify(file: &PvsFile, level: &Level, options: &VerifyOptions) -> Result<Verified, Failure> {
     let own = LevelInfo::of(level);
     let same = (own.fingerprint, own.walls, own.sectors)
         == (file.info.fingerprint, file.info.walls, file.info.sectors)
@@ -138,12 +139,15 @@ pub fn verify(
     if !same {
         return Err(Failure::OtherLevel);
     }
-    let mut done = Verified { cells: file.graph.cells.len(), ..Verified::default() };
+    let mut done = Verified {
+        cells: file.graph.cells.len(),
+        ..Verified::default()
+    };
     done.pairs = relation(file)?;
     let walls = walls::Walls::new(level, file.graph.options.doors);
-    let borders = cells::check(file, &walls, &mut done)?;
-    ground::check(file, level, &walls, options, &mut done)?;
-    sight::check(file, &walls, &borders, options, &mut done)?;
+    let outer = cells::check(file, &walls, &mut done)?;
+    ground::check(file, level, &walls, &outer, options, &mut done)?;
+    sight::check(file, &walls, &outer, options, &mut done)?;
     Ok(done)
 }
 
@@ -177,7 +181,11 @@ impl Failure {
         };
         let edge = |e: EdgeId| {
             let (from, to) = (vertex(graph.edge(e).origin), vertex(graph.end(e)));
-            format!("edge {} of cell {}, from {from} to {to},", e.0, graph.edge(e).cell.0)
+            format!(
+                "edge {} of cell {}, from {from} to {to},",
+                e.0,
+                graph.edge(e).cell.0
+            )
         };
         let wall = |w: WallId| format!("wall {} ({})", w.0, level.walls[w.0 as usize].place);
         match *self {
@@ -193,7 +201,10 @@ impl Failure {
             ),
             Failure::NotReflexive(a) => format!("cell {} does not see itself", a.0),
             Failure::NotSymmetric(a, b) => {
-                format!("cell {} sees cell {}, but not the other way round", a.0, b.0)
+                format!(
+                    "cell {} sees cell {}, but not the other way round",
+                    a.0, b.0
+                )
             }
             Failure::NotConvex(a) => {
                 let corners: Vec<String> = graph.corners(a).map(vertex).collect();
@@ -202,7 +213,9 @@ impl Failure {
             Failure::Unpaired(e) => format!("{} does not match its twin", edge(e)),
             Failure::WallInside(w, a) => format!("{} passes through cell {}", wall(w), a.0),
             Failure::WallOnPortal(w, e) => format!("{} lies on a portal: {}", wall(w), edge(e)),
-            Failure::NoWall(e) => format!("{} is no portal, but no wall lies there", edge(e)),
+            Failure::NoWall(e) => {
+                format!("{} is no portal, but nothing there stops sight", edge(e))
+            }
             Failure::Lost(p) => format!("{} is inside the level, but in no cell", point(p)),
             Failure::Outside(p, a) => {
                 format!("{} is outside the level, but in cell {}", point(p), a.0)
@@ -214,7 +227,10 @@ impl Failure {
                 "{} is in cell {} of sector {}, but the walls around it name another",
                 point(p),
                 a.0,
-                graph.cell(a).sector.map_or("none".to_string(), |s| s.0.to_string())
+                graph
+                    .cell(a)
+                    .sector
+                    .map_or("none".to_string(), |s| s.0.to_string())
             ),
             Failure::Missed { a, b, from, to } => format!(
                 "cells {} and {} are not listed as visible, but the free segment from {} to {} \
@@ -238,9 +254,21 @@ impl Failure {
 impl fmt::Display for Verified {
     /// A line for each kind of check.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "relation    {} visible pairs, symmetric and reflexive", self.pairs)?;
-        writeln!(f, "cells       {} convex, no wall passes through any", self.cells)?;
-        writeln!(f, "portals     {} fit on both sides, none has an opaque wall on it", self.portals)?;
+        writeln!(
+            f,
+            "relation    {} visible pairs, symmetric and reflexive",
+            self.pairs
+        )?;
+        writeln!(
+            f,
+            "cells       {} convex, no wall passes through any",
+            self.cells
+        )?;
+        writeln!(
+            f,
+            "portals     {} fit on both sides, none has an opaque wall on it",
+            self.portals
+        )?;
         writeln!(
             f,
             "borders     {} on opaque walls, {} towards the outside",
@@ -248,8 +276,8 @@ impl fmt::Display for Verified {
         )?;
         writeln!(
             f,
-            "points      {} inside in one cell each, {} outside in none, {} where the level \
-             contradicts itself",
+            "points      {} inside in one cell each, {} outside in none, {} where the \
+             level's walls do not say",
             self.inside, self.outside, self.contested
         )?;
         writeln!(

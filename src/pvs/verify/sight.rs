@@ -74,7 +74,10 @@ impl<'a> Caster<'a> {
     fn new(file: &'a PvsFile, walls: &'a Walls, outer: &'a [bool]) -> Self {
         let graph = &file.graph;
         let (low, high) = walls.all.extent();
-        let largest = [low.x, low.y, high.x, high.y].map(|n| n.abs()).into_iter().max();
+        let largest = [low.x, low.y, high.x, high.y]
+            .map(|n| n.abs())
+            .into_iter()
+            .max();
         let largest = largest.unwrap_or(0) as f64 + 16.0;
         let is_border = |e: &EdgeId| graph.edge(*e).twin().is_none();
         Self {
@@ -82,7 +85,10 @@ impl<'a> Caster<'a> {
             graph,
             walls,
             outer,
-            borders: (0..graph.edges.len() as u32).map(EdgeId).filter(is_border).collect(),
+            borders: (0..graph.edges.len() as u32)
+                .map(EdgeId)
+                .filter(is_border)
+                .collect(),
             far: 2.0 * ((high.x - low.x) as f64).hypot((high.y - low.y) as f64) + 2.0,
             bound: largest * largest * 2f64.powi(-45),
         }
@@ -90,9 +96,13 @@ impl<'a> Caster<'a> {
 
     /// Tries one segment. `None` if it is not free; otherwise the number of pairs of cells met.
     fn cast(&self, rng: &mut Pcg64Mcg, path: &mut Vec<CellId>) -> Result<Option<u64>, Failure> {
-        let Some((from, cell)) = self.start(rng) else { return Ok(None) };
+        let Some((from, cell)) = self.start(rng) else {
+            return Ok(None);
+        };
         let direction = self.aim(rng, from);
-        let Some(to) = self.reach(rng, from, direction) else { return Ok(None) };
+        let Some(to) = self.reach(rng, from, direction) else {
+            return Ok(None);
+        };
         if self.walls.opaque.touched(from, to) {
             return Ok(None);
         }
@@ -118,7 +128,10 @@ impl<'a> Caster<'a> {
             let edge = self.borders[rng.random_range(0..self.borders.len())];
             let corner = self.graph.vertices.approx(self.graph.edge(edge).origin);
             let mut near = |at: f64| at.round() as i64 + rng.random_range(-2..=2);
-            (GridPoint::new(near(corner.x), near(corner.y)), self.graph.edge(edge).cell)
+            (
+                GridPoint::new(near(corner.x), near(corner.y)),
+                self.graph.edge(edge).cell,
+            )
         } else {
             let cell = CellId(rng.random_range(0..self.graph.cells.len() as u32));
             let corners: Vec<VertexId> = self.graph.corners(cell).collect();
@@ -157,12 +170,20 @@ impl<'a> Caster<'a> {
             return any;
         }
         let wall = &self.walls.opaque.list[near[rng.random_range(0..near.len())] as usize];
-        let end = if rng.random_bool(0.5) { wall.from } else { wall.to };
+        let end = if rng.random_bool(0.5) {
+            wall.from
+        } else {
+            wall.to
+        };
         let beside = DVec2::new(
             (end.x + rng.random_range(-1..=1) - from.x) as f64,
             (end.y + rng.random_range(-1..=1) - from.y) as f64,
         );
-        if beside == DVec2::ZERO { any } else { beside.normalize() * self.far }
+        if beside == DVec2::ZERO {
+            any
+        } else {
+            beside.normalize() * self.far
+        }
     }
 
     /// A grid point in that direction, most often the last one before a wall.
@@ -170,7 +191,11 @@ impl<'a> Caster<'a> {
         let reach = self.walls.opaque.reach(from, direction.x, direction.y);
         let length = direction.length() * reach;
         // A step or so before the wall; sometimes anywhere on the way.
-        let length = if rng.random_bool(0.8) { length - 1.5 } else { length * rng.random::<f64>() };
+        let length = if rng.random_bool(0.8) {
+            length - 1.5
+        } else {
+            length * rng.random::<f64>()
+        };
         let way = (direction.normalize() * length.max(0.0)).round();
         let to = GridPoint::new(from.x + way.x as i64, from.y + way.y as i64);
         let (low, high) = self.walls.all.extent();
@@ -222,7 +247,13 @@ impl<'a> Caster<'a> {
             match self.graph.edge(exit).twin() {
                 Some(twin) => cell = self.graph.edge(twin).cell,
                 None if self.outer[exit.0 as usize] => return Ok(true),
-                None => return Err(Failure::Escape { edge: exit, from, to }),
+                None => {
+                    return Err(Failure::Escape {
+                        edge: exit,
+                        from,
+                        to,
+                    });
+                }
             }
             if path.len() > self.graph.cells.len() {
                 // Cannot happen where cells are convex and fit; but a file is not to be trusted.
@@ -242,7 +273,11 @@ impl<'a> Caster<'a> {
         if cross.abs() > self.bound {
             Side::of(cross)
         } else {
-            orient(&Vertex::from(p), &Vertex::from(q), self.graph.vertices.exact(v))
+            orient(
+                &Vertex::from(p),
+                &Vertex::from(q),
+                self.graph.vertices.exact(v),
+            )
         }
     }
 

@@ -25,7 +25,11 @@ impl Walls {
         let closed = doors == Doors::Closed;
         let (mut opaque, mut all) = (Vec::new(), Vec::new());
         for (wall, id) in level.walls.iter().zip((0u32..).map(WallId)) {
-            let whole = Stretch { wall: id, from: wall.from, to: wall.to };
+            let whole = Stretch {
+                wall: id,
+                from: wall.from,
+                to: wall.to,
+            };
             let stops = match &wall.kind {
                 WallKind::Solid => true,
                 WallKind::Outline => {
@@ -42,7 +46,10 @@ impl Walls {
                 all.push(whole);
             }
         }
-        Self { opaque: Buckets::new(opaque), all: Buckets::new(all) }
+        Self {
+            opaque: Buckets::new(opaque),
+            all: Buckets::new(all),
+        }
     }
 }
 
@@ -67,12 +74,20 @@ fn without_openings(level: &Level, wall: Stretch) -> Vec<Stretch> {
     let mut rest = Vec::new();
     for (from, to) in holes {
         if from > at && at < end {
-            rest.push(Stretch { from: at, to: from.min(end), ..wall });
+            rest.push(Stretch {
+                from: at,
+                to: from.min(end),
+                ..wall
+            });
         }
         at = at.max(to);
     }
     if at < end {
-        rest.push(Stretch { from: at, to: end, ..wall });
+        rest.push(Stretch {
+            from: at,
+            to: end,
+            ..wall
+        });
     }
     rest
 }
@@ -84,7 +99,8 @@ pub(super) fn side(p: GridPoint, q: GridPoint, r: GridPoint) -> Side {
 
 /// Whether two closed segments have a point in common.
 pub(super) fn touch(a: GridPoint, b: GridPoint, c: GridPoint, d: GridPoint) -> bool {
-    let apart = |a0: i64, a1: i64, b0: i64, b1: i64| a0.max(a1) < b0.min(b1) || b0.max(b1) < a0.min(a1);
+    let apart =
+        |a0: i64, a1: i64, b0: i64, b1: i64| a0.max(a1) < b0.min(b1) || b0.max(b1) < a0.min(a1);
     if apart(a.x, b.x, c.x, d.x) || apart(a.y, b.y, c.y, d.y) {
         return false;
     }
@@ -122,8 +138,14 @@ impl Buckets {
         }
         let columns = ((high.x - low.x) >> shift) as usize + 1;
         let rows = ((high.y - low.y) >> shift) as usize + 1;
-        let mut result =
-            Self { list: Vec::new(), low, high, shift, columns, buckets: Vec::new() };
+        let mut result = Self {
+            list: Vec::new(),
+            low,
+            high,
+            shift,
+            columns,
+            buckets: Vec::new(),
+        };
         let mut buckets = vec![Vec::new(); columns * rows];
         for (i, s) in list.iter().enumerate() {
             result.along(s.from, s.to, |bucket| {
@@ -188,10 +210,29 @@ impl Buckets {
         hit
     }
 
+    /// Whether all walls that the closed segment touches are of one sort.
+    pub fn touched_only(
+        &self,
+        p: GridPoint,
+        q: GridPoint,
+        sort: impl Fn(&Stretch) -> bool,
+    ) -> bool {
+        let mut only = true;
+        self.along(p, q, |bucket| {
+            only = self.buckets[bucket].iter().all(|&i| {
+                let s = &self.list[i as usize];
+                !touch(p, q, s.from, s.to) || sort(s)
+            });
+            only
+        });
+        only
+    }
+
     /// The walls near the box from `low` to `high`: all that meet it, and others; each once.
     pub fn near(&self, low: GridPoint, high: GridPoint, found: &mut Vec<u32>) {
         found.clear();
-        let column = |x: i64| (((x - self.low.x) >> self.shift).max(0)).min(self.columns as i64 - 1);
+        let column =
+            |x: i64| (((x - self.low.x) >> self.shift).max(0)).min(self.columns as i64 - 1);
         let rows = (self.high.y - self.low.y) >> self.shift;
         let row = |y: i64| ((y - self.low.y) >> self.shift).clamp(0, rows);
         for r in row(low.y)..=row(high.y) {
