@@ -54,7 +54,7 @@ pub fn reject(sees: &BitMatrix) -> Vec<u8> {
     let n = sees.n();
     let bits = n * n;
     let mut lump = vec![0xff; bits.div_ceil(8)];
-    if let Some(last) = lump.last_mut().filter(|_| bits % 8 != 0) {
+    if let Some(last) = lump.last_mut().filter(|_| !bits.is_multiple_of(8)) {
         *last = (1 << (bits % 8)) - 1;
     }
     for i in 0..n {

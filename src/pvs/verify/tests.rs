@@ -174,7 +174,7 @@ fn cells_of_another_level_are_found_out() {
     // Outer extents equal, so that the grids are.
     let with_room = format!("{TWO_ROOMS}{corners}");
     let with_void = format!("{with_room}[[pillar]]\nrect = [1, 5, 2, 6]\n");
-    assert!(matches!(claim(&with_room, &with_room), Ok(_)));
+    assert!(claim(&with_room, &with_room).is_ok());
     // A pillar stands in the cells.
     let found = claim(&with_room, &with_void);
     assert!(
