@@ -1,9 +1,59 @@
-//! enfilade: exact cells-and-portals visibility and walkthroughs of architectural levels.
+//! enfilade: exact cells-and-portals visibility of architectural levels.
+//!
+//! This page is the map of the house. Every stage is a function from a finished value to a new
+//! value; nothing is filled in later.
+//!
+//! ```text
+//! level file ──level──▶ Level ──cells──▶ CellGraph ──pvs──▶ Pvs ──report──▶ JSON, plans
+//! (toml, wad)                  (bsp kd cdt)  (cells, portals)   └───pvs::file──▶ FILE.pvs
+//! ```
+//!
+//! # Rooms
+//!
+//! Lowest first; a module uses only those above it in this list (a test keeps that so).
+//!
+//! | module | in → out | what lives there |
+//! |---|---|---|
+//! | [`geom`] | numbers | grid points, lines, exact vertices, predicates that return a named side |
+//! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps; the door to the grid; findings |
+//! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt`, inside and outside, portals, point location |
+//! | [`sight`] | chain of portals → stabbing lines | the exact funnel that grows and shrinks with the chain |
+//! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | `sweep` about vertices, depth-first `search`, sectors, the file format, `verify` |
+//! | [`report`] | results → people | JSON, pictures of the plan |
+//! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
+//!
+//! # Numbers: exact inside, one door
+//!
+//! Coordinates are x right, y up. Each enters once, at [`level::snap`], and is put on an integer
+//! grid of less than 2^25 steps each way. A line through two grid points has integer coefficients;
+//! a vertex that splitting creates is never rounded, but kept as the meeting of two such lines. So
+//! every geometric sign in `geom`, `cells`, `sight` and `pvs` is decided exactly, by
+//! [`geom::predicate`]: there is no epsilon, and the answer does not depend on the order of the
+//! walls, on rotation by 90°, mirroring, translation or the number of threads.
+//!
+//! # What 'visible' means
+//!
+//! Cells are open convex sets. A sees B when some segment from inside A to inside B crosses no
+//! opaque wall. Such segments form an open set: a line that only grazes a corner, or squeezes
+//! through two walls that touch, is not sight; a line of any width, however thin, is.
+//!
+//! # Two ways to every answer
+//!
+//! [`pvs::sweep`] and [`pvs::search`] share no algorithm and must agree bit for bit; the three
+//! subdivisions must agree point by point; [`pvs::verify`] checks a finished file against the walls
+//! of the level without using any of them.
+//!
+//! # Deliberately absent
+//!
+//! - Tolerances. What should touch but does not is joined at the door, counted and reported; after
+//!   that a gap is a gap.
+//! - Repairs that guess. A defect is repaired where there is one way to, else it is reported.
+//! - State. There are no globals and no caches; options come in as one struct per stage.
 
+pub mod cells;
+pub mod cli;
 pub mod geom;
 pub mod level;
-pub mod cells;
-pub mod sight;
 pub mod pvs;
 pub mod report;
-pub mod cli;
+pub mod sight;

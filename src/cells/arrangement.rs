@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 
 use rustc_hash::FxHashMap;
 
-use super::frame::Frame;
 use super::Doors;
+use super::frame::Frame;
 use crate::geom::{GridPoint, Line, Side, Vertex, VertexId, VertexSet, orient};
 use crate::level::{Level, SectorId, Wall, WallId, WallKind};
 
@@ -99,6 +99,11 @@ impl LineSet {
         &self.list[id.0 as usize]
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// Number of lines.
     pub fn len(&self) -> usize {
         self.list.len()
@@ -114,7 +119,11 @@ impl Arrangement {
     /// The sector that a cover's wall names on the left (or right) side of the piece's line.
     pub fn named_sector(&self, level: &Level, cover: &Cover, left: bool) -> Option<SectorId> {
         let wall = &level.walls[cover.wall.0 as usize];
-        if left == cover.forward { wall.left } else { wall.right }
+        if left == cover.forward {
+            wall.left
+        } else {
+            wall.right
+        }
     }
 }
 
@@ -138,7 +147,11 @@ impl Segment {
 /// overlap in x). See-through walls with the same sector on both sides are left out: they change
 /// nothing, neither sight nor sectors.
 pub fn arrange(level: &Level, doors: Doors) -> Arrangement {
-    let coded: Vec<_> = level.walls.iter().map(|w| (w.from, w.to, code(w, doors))).collect();
+    let coded: Vec<_> = level
+        .walls
+        .iter()
+        .map(|w| (w.from, w.to, code(w, doors)))
+        .collect();
     let frame = Frame::of(&coded);
     let mut lines = LineSet::default();
     let mut vertices = VertexSet::default();
@@ -169,9 +182,16 @@ pub fn arrange(level: &Level, doors: Doors) -> Arrangement {
         let first = arrangement.covers.len() as u32;
         arrangement.covers.extend(group.iter().map(|&(_, _, i)| {
             let s = &segments[i as usize];
-            Cover { wall: s.wall, forward: s.forward }
+            Cover {
+                wall: s.wall,
+                forward: s.forward,
+            }
         }));
-        let kinds = || group.iter().map(|g| &wall_of(level, &segments[g.2 as usize]).kind);
+        let kinds = || {
+            group
+                .iter()
+                .map(|g| &wall_of(level, &segments[g.2 as usize]).kind)
+        };
         let mut piece = Piece {
             line: segments[group[0].2 as usize].line,
             from: group[0].0,
@@ -272,9 +292,7 @@ fn cut_points(
                         && line.cmp_along(&p, &to) == Ordering::Less
                 };
                 let mut overlap = false;
-                for (p, k, other) in
-                    [(t.from, i, s), (t.to, i, s), (s.from, j, t), (s.to, j, t)]
-                {
+                for (p, k, other) in [(t.from, i, s), (t.to, i, s), (s.from, j, t), (s.to, j, t)] {
                     if inside(p, other) {
                         overlap = true;
                         cuts[k].push(vertices.insert(p.into()));
@@ -290,9 +308,8 @@ fn cut_points(
             if s.from == t.from || s.from == t.to || s.to == t.from || s.to == t.to {
                 continue; // lines that differ meet once
             }
-            let side = |a: GridPoint, b: GridPoint, p: GridPoint| {
-                orient(&a.into(), &b.into(), &p.into())
-            };
+            let side =
+                |a: GridPoint, b: GridPoint, p: GridPoint| orient(&a.into(), &b.into(), &p.into());
             let t_from = side(s.from, s.to, t.from);
             let t_to = side(s.from, s.to, t.to);
             if t_from == t_to {

@@ -23,7 +23,12 @@ pub struct BspOptions {
 
 impl Default for BspOptions {
     fn default() -> Self {
-        Self { candidates: 16, sample: 256, split_weight: 8, balance_weight: 1 }
+        Self {
+            candidates: 8,
+            sample: 64,
+            split_weight: 8,
+            balance_weight: 1,
+        }
     }
 }
 
@@ -33,7 +38,7 @@ pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOp
     let mut best: Option<(u64, LineId)> = None;
     let mut tried = Vec::with_capacity(options.candidates);
     for candidate in candidates {
-        let line = arrangement.piece(candidate.piece).line;
+        let line = candidate.line;
         if tried.contains(&line) {
             continue;
         }
@@ -43,7 +48,8 @@ pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOp
             best = Some((cost, line));
         }
     }
-    best.expect("there is a first candidate, and no limit for it").1
+    best.expect("there is a first candidate, and no limit for it")
+        .1
 }
 
 /// The cost of splitting by `line`, if below `limit`.

@@ -6,41 +6,71 @@
 //! those of the leaves of a BSP instead. What comes out tiles the plan exactly.
 
 use rustc_hash::FxHashMap;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
-use super::arrangement::Arrangement;
-use super::mesh::{Mesh, join_polygons};
+use super::arrangement::{Arrangement, PieceId};
+use super::mesh::{HalfEdge, Mesh, PieceBetween, join_polygons};
 use crate::geom::{Side, VertexId, orient};
+
+/// A vertex as spade sees it: rounded.
+struct Site {
+    at: Point2<f64>,
+    vertex: VertexId,
+}
+
+impl HasPosition for Site {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.at
+    }
+}
 
 /// Triangles between the arrangement's vertices in which every piece of wall is an edge, as a mesh;
 /// `None` where rounding gave spade a plan that cannot be mended (see the module).
 pub fn triangulate(arrangement: &Arrangement) -> Option<Mesh> {
-    let vertices: Vec<_> = (0..arrangement.vertices.len() as u32).map(VertexId).collect();
-    let points = vertices
-        .iter()
-        .map(|&v| {
-            let p = arrangement.vertices.get(v).approx();
-            Point2::new(p.x, p.y)
+    let n = arrangement.vertices.len();
+    let sites = (0..n as u32)
+        .map(|i| {
+            let p = arrangement.vertices.get(VertexId(i)).approx();
+            Site {
+                at: Point2::new(p.x, p.y),
+                vertex: VertexId(i),
+            }
         })
         .collect();
-    let edges: Vec<[usize; 2]> =
-        arrangement.pieces.iter().map(|p| [p.from.0 as usize, p.to.0 as usize]).collect();
-    let mut conflict = false;
-    let triangulation: ConstrainedDelaunayTriangulation<Point2<f64>> =
-        ConstrainedDelaunayTriangulation::try_bulk_load_cdt(points, edges, |_| conflict = true)
-            .ok()?;
-    // Rounding may also make two vertices one.
-    if conflict || triangulation.num_vertices() != vertices.len() {
+    // First all points, then the walls, in this order: loading both at once would let spade walk
+    // through hash sets with a random seed, and give other triangles in another run.
+    let mut triangulation = ConstrainedDelaunayTriangulation::<Site>::bulk_load(sites).ok()?;
+    // Rounding may make two vertices one.
+    if triangulation.num_vertices() != n {
         return None;
+    }
+    let mut handles = vec![None; n];
+    for site in triangulation.vertices() {
+        handles[site.data().vertex.0 as usize] = Some(site.fix());
+    }
+    for piece in &arrangement.pieces {
+        let (from, to) = (
+            handles[piece.from.0 as usize]?,
+            handles[piece.to.0 as usize]?,
+        );
+        if triangulation.try_add_constraint(from, to).is_empty() {
+            return None;
+        }
     }
     let mut triangles: Vec<[VertexId; 3]> = triangulation
         .inner_faces()
-        .map(|face| face.vertices().map(|v| VertexId(v.index() as u32)))
+        .map(|face| face.vertices().map(|v| v.data().vertex))
         .collect();
     mend(arrangement, &mut triangles).then(|| {
+        let pieces: PieceBetween = (0u32..)
+            .zip(&arrangement.pieces)
+            .map(|(i, p)| ((p.from, p.to), PieceId(i)))
+            .collect();
         order_by_place(arrangement, &mut triangles);
         let polygons: Vec<_> = triangles.iter().map(|t| t.to_vec()).collect();
-        join_polygons(arrangement, &polygons)
+        join_polygons(&pieces, &polygons)
     })
 }
 
@@ -80,13 +110,17 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
         let [p, q, r] = t.map(|v| arrangement.vertices.get(v));
         orient(p, q, r)
     };
-    let mut bad: Vec<usize> =
-        (0..triangles.len()).filter(|&i| side(&triangles[i]) != Side::Left).collect();
+    let mut bad: Vec<usize> = (0..triangles.len())
+        .filter(|&i| side(&triangles[i]) != Side::Left)
+        .collect();
     if bad.is_empty() {
         return true;
     }
-    let walls: FxHashMap<(VertexId, VertexId), ()> =
-        arrangement.pieces.iter().map(|p| ((p.from.min(p.to), p.from.max(p.to)), ())).collect();
+    let walls: FxHashMap<(VertexId, VertexId), ()> = arrangement
+        .pieces
+        .iter()
+        .map(|p| ((p.from.min(p.to), p.from.max(p.to)), ()))
+        .collect();
     let mut edge_of: FxHashMap<(VertexId, VertexId), usize> = FxHashMap::default();
     for (i, t) in triangles.iter().enumerate() {
         for k in 0..3 {
@@ -101,7 +135,8 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
             continue;
         }
         let t = triangles[i];
-        let Some(k) = (0..3).find(|&k| is_between(arrangement, t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
+        let Some(k) =
+            (0..3).find(|&k| is_between(arrangement, t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
         else {
             return false;
         };
@@ -147,14 +182,16 @@ fn is_between(arrangement: &Arrangement, v: VertexId, p: VertexId, q: VertexId) 
 pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
     let mut triangles = Vec::new();
     for cell in 0..mesh.n_cells() {
-        let mut rest: Vec<VertexId> =
-            mesh.edges[mesh.range(cell)].iter().map(|e| e.origin).collect();
+        let mut rest: Vec<VertexId> = mesh.edges[mesh.range(cell)]
+            .iter()
+            .map(|e| e.origin)
+            .collect();
         // Cut off one true corner after the other; what is left stays convex, with all its points.
         while rest.len() > 3 {
             let n = rest.len();
             let turn = |i: usize| {
-                let [p, q, r] = [(i + n - 1) % n, i, (i + 1) % n]
-                    .map(|i| arrangement.vertices.get(rest[i]));
+                let [p, q, r] =
+                    [(i + n - 1) % n, i, (i + 1) % n].map(|i| arrangement.vertices.get(rest[i]));
                 orient(p, q, r) == Side::Left
             };
             // Cutting off corner i is allowed if that does not leave the rest on one line, which
@@ -167,7 +204,20 @@ pub fn triangulate_cells(arrangement: &Arrangement, mesh: &Mesh) -> Mesh {
         }
         triangles.push(rest);
     }
-    join_polygons(arrangement, &triangles)
+    // The BSP has split pieces of wall further: take the stretches as they are in the mesh.
+    let stretch = |(e, edge): (usize, &HalfEdge)| {
+        let (from, to) = (edge.origin, mesh.end(e));
+        Some((
+            if edge.left_of_piece {
+                (from, to)
+            } else {
+                (to, from)
+            },
+            edge.piece?,
+        ))
+    };
+    let pieces: PieceBetween = mesh.edges.iter().enumerate().filter_map(stretch).collect();
+    join_polygons(&pieces, &triangles)
 }
 
 /// Whether the polygon without corner `i` has area.
@@ -176,5 +226,7 @@ fn spans_area(arrangement: &Arrangement, polygon: &[VertexId], i: usize) -> bool
         .filter(|&k| k != i)
         .map(|k| arrangement.vertices.get(polygon[k]))
         .collect();
-    others.windows(3).any(|w| orient(w[0], w[1], w[2]) != Side::On)
+    others
+        .windows(3)
+        .any(|w| orient(w[0], w[1], w[2]) != Side::On)
 }

@@ -27,23 +27,35 @@ impl Frame {
                 swap: bits & 4 != 0,
                 shift: [0, 0],
             };
-            let turned = || segments.iter().flat_map(|s| [frame.enter(s.0), frame.enter(s.1)]);
+            let turned = || {
+                segments
+                    .iter()
+                    .flat_map(|s| [frame.enter(s.0), frame.enter(s.1)])
+            };
             let middle = |of: fn(GridPoint) -> i64| {
                 let (min, max) = turned()
                     .map(of)
                     .fold((i64::MAX, i64::MIN), |(lo, hi), n| (lo.min(n), hi.max(n)));
-                if min > max { 0 } else { (min + max).div_euclid(2) }
+                if min > max {
+                    0
+                } else {
+                    (min + max).div_euclid(2)
+                }
             };
             frame.shift = [-middle(|p| p.x), -middle(|p| p.y)];
             // A sum does not depend on the order of the segments.
             let print = segments.iter().fold(0u64, |sum, &(a, b, code)| {
                 let (a, b) = (frame.enter(a), frame.enter(b));
                 let (a, b) = if a <= b { (a, b) } else { (b, a) };
-                sum.wrapping_add([a.x, a.y, b.x, b.y].iter().fold(code, |h, &n| mix(h, n as u64)))
+                sum.wrapping_add(
+                    [a.x, a.y, b.x, b.y]
+                        .iter()
+                        .fold(code, |h, &n| mix(h, n as u64)),
+                )
             });
             (print, frame)
         });
-        // Equal prints: the level is its own mirror image, and either frame gives the same cells.
+        // Equal prints: the level is its own mirror image, and so are the cells of the two frames.
         candidates.min_by_key(|c| c.0).map(|c| c.1).unwrap()
     }
 
@@ -86,7 +98,11 @@ mod tests {
 
     #[test]
     fn every_symmetric_copy_looks_the_same_in_its_frame() {
-        let level = [(p(0, 0), p(10, 0), 1), (p(10, 0), p(3, 7), 1), (p(3, 7), p(0, 0), 2)];
+        let level = [
+            (p(0, 0), p(10, 0), 1),
+            (p(10, 0), p(3, 7), 1),
+            (p(3, 7), p(0, 0), 2),
+        ];
         let seen = |level: &[(GridPoint, GridPoint, u64)]| {
             let frame = Frame::of(level);
             let mut list: Vec<_> = level

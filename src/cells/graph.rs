@@ -208,7 +208,11 @@ pub(super) fn build(
     // mirrored frame, the other way around.
     let mut kept: Vec<usize> = Vec::new();
     let mut new_index = vec![EdgeId::NONE; mesh.edges.len()];
-    for (cell, label) in labels.into_iter().enumerate().filter(|(_, label)| label.inside) {
+    for (cell, label) in labels
+        .into_iter()
+        .enumerate()
+        .filter(|(_, label)| label.inside)
+    {
         let range = mesh.range(cell);
         graph.cells.push(Cell {
             first_edge: kept.len() as u32,
@@ -220,7 +224,11 @@ pub(super) fn build(
             new_index[e] = EdgeId(kept.len() as u32);
             kept.push(e);
         };
-        if mirrored { range.rev().for_each(place) } else { range.for_each(place) }
+        if mirrored {
+            range.rev().for_each(place)
+        } else {
+            range.for_each(place)
+        }
     }
     let mut renumbered = vec![VertexId(u32::MAX); arrangement.vertices.len()];
     let mut vertices = Vec::new();
@@ -240,7 +248,9 @@ pub(super) fn build(
                 origin: *number,
                 cell: CellId(id),
                 twin: twin.map_or(EdgeId::NONE, |t| new_index[t as usize]),
-                wall: edge.piece.map_or(u32::MAX, |p| wall_on(level, arrangement, p).0),
+                wall: edge
+                    .piece
+                    .map_or(u32::MAX, |p| wall_on(level, arrangement, p).0),
             });
         }
     }
@@ -257,11 +267,7 @@ pub(super) fn build(
 }
 
 /// The wall that stands for a piece: one that stops sight, if any does.
-fn wall_on(
-    level: &Level,
-    arrangement: &Arrangement,
-    piece: super::arrangement::PieceId,
-) -> WallId {
+fn wall_on(level: &Level, arrangement: &Arrangement, piece: super::arrangement::PieceId) -> WallId {
     let covers = arrangement.covers(arrangement.piece(piece));
     let rank = |kind: &WallKind| match kind {
         WallKind::Solid => 0,
@@ -289,13 +295,21 @@ fn portal(
         level.sectors.get(id.0 as usize)
     });
     let [Some(a), Some(b)] = sectors else {
-        return Portal { edges, bottom: None, top: None, widest: None };
+        return Portal {
+            edges,
+            bottom: None,
+            top: None,
+            widest: None,
+        };
     };
     let mut bottom = a.floor.rest.max(b.floor.rest);
     let mut top = a.ceiling.rest.min(b.ceiling.rest);
     let low = |floor: Height| floor.low;
     let high = |ceiling: Height| ceiling.high;
-    let mut widest = (low(a.floor).max(low(b.floor)), high(a.ceiling).min(high(b.ceiling)));
+    let mut widest = (
+        low(a.floor).max(low(b.floor)),
+        high(a.ceiling).min(high(b.ceiling)),
+    );
     let covers = piece.map_or(&[][..], |p| arrangement.covers(arrangement.piece(p)));
     for cover in covers {
         if let WallKind::Opening(opening) = &level.walls[cover.wall.0 as usize].kind {
@@ -309,5 +323,10 @@ fn portal(
             }
         }
     }
-    Portal { edges, bottom: Some(bottom), top: Some(top), widest: Some(widest) }
+    Portal {
+        edges,
+        bottom: Some(bottom),
+        top: Some(top),
+        widest: Some(widest),
+    }
 }

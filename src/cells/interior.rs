@@ -29,8 +29,10 @@ pub fn label(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Labe
         Interior::Sides => by_sides(level, arrangement, mesh),
         Interior::Outlines => (by_outlines(level, arrangement, mesh), Vec::new()),
         Interior::Enclosed { starts } => {
-            let starts: Vec<Vertex> =
-                starts.iter().map(|&p| arrangement.frame.enter(p).into()).collect();
+            let starts: Vec<Vertex> = starts
+                .iter()
+                .map(|&p| arrangement.frame.enter(p).into())
+                .collect();
             (by_enclosure(level, arrangement, mesh, &starts), Vec::new())
         }
     }
@@ -45,7 +47,9 @@ impl Faces {
     /// Joins neighbouring cells unless `parted` by the piece between them.
     fn new(arrangement: &Arrangement, mesh: &Mesh, parted: impl Fn(&Piece) -> bool) -> Self {
         let outside = mesh.n_cells() as u32;
-        let mut faces = Faces { parent: (0..=outside).collect() };
+        let mut faces = Faces {
+            parent: (0..=outside).collect(),
+        };
         for edge in &mesh.edges {
             if edge.piece.is_none_or(|p| !parted(arrangement.piece(p))) {
                 let other = edge.twin.map_or(outside, |t| mesh.edges[t as usize].cell);
@@ -102,11 +106,15 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
             }
             continue;
         }
-        let mut ranked: Vec<_> =
-            votes.iter().filter_map(|(named, v)| Some(((*named)?, v))).collect();
+        let mut ranked: Vec<_> = votes
+            .iter()
+            .filter_map(|(named, v)| Some(((*named)?, v)))
+            .collect();
         // Longest first; the smaller number first where lengths are equal.
         ranked.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
-        let Some(&(sector, _)) = ranked.first() else { continue };
+        let Some(&(sector, _)) = ranked.first() else {
+            continue;
+        };
         let mut also: Vec<SectorId> = ranked[1..].iter().map(|r| r.0).collect();
         also.sort();
         for (_, (_, covers)) in &ranked[1..] {
@@ -115,7 +123,14 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
         if let Some((_, covers)) = votes.get(&None) {
             backs.extend(covers.iter().map(place));
         }
-        labels.insert(face, Label { inside: true, sector: Some(sector), also });
+        labels.insert(
+            face,
+            Label {
+                inside: true,
+                sector: Some(sector),
+                also,
+            },
+        );
     }
     let labels = (0..mesh.n_cells() as u32)
         .map(|cell| labels.get(&faces.find(cell)).cloned().unwrap_or_default())
@@ -124,7 +139,12 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
     let mut find = |code, severity, message: &str, mut places: Vec<_>| {
         places.dedup();
         if !places.is_empty() {
-            findings.push(Finding { code, severity, message: message.into(), places });
+            findings.push(Finding {
+                code,
+                severity,
+                message: message.into(),
+                places,
+            });
         }
     };
     find(
@@ -158,7 +178,10 @@ fn outlines_around(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec
     let crossing = |from: &[OutlineId], piece: Option<_>| -> Vec<OutlineId> {
         let mut set = from.to_vec();
         let covers = piece.map_or(&[][..], |p| arrangement.covers(arrangement.piece(p)));
-        for id in covers.iter().filter_map(|c| level.walls[c.wall.0 as usize].outline) {
+        for id in covers
+            .iter()
+            .filter_map(|c| level.walls[c.wall.0 as usize].outline)
+        {
             match set.binary_search(&id) {
                 Ok(i) => _ = set.remove(i),
                 Err(i) => set.insert(i, id),
@@ -184,7 +207,10 @@ fn outlines_around(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec
             }
         }
     }
-    within.into_iter().map(|set| set.unwrap_or_default()).collect()
+    within
+        .into_iter()
+        .map(|set| set.unwrap_or_default())
+        .collect()
 }
 
 /// Rooms: the last outline around a place that is not a zone decides whether it is inside; the last
@@ -192,16 +218,32 @@ fn outlines_around(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec
 fn by_outlines(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> Vec<Label> {
     let outline = |id: &OutlineId| &level.outlines[id.0 as usize];
     let label = |set: Vec<OutlineId>| {
-        let inside = set.iter().map(outline).rfind(|o| !o.zone).is_some_and(|o| o.sector.is_some());
-        let sector = set.last().map(outline).and_then(|o| o.sector).filter(|_| inside);
-        Label { inside, sector, also: Vec::new() }
+        let inside = set
+            .iter()
+            .map(outline)
+            .rfind(|o| !o.zone)
+            .is_some_and(|o| o.sector.is_some());
+        let sector = set
+            .last()
+            .map(outline)
+            .and_then(|o| o.sector)
+            .filter(|_| inside);
+        Label {
+            inside,
+            sector,
+            also: Vec::new(),
+        }
     };
-    outlines_around(level, arrangement, mesh).into_iter().map(label).collect()
+    outlines_around(level, arrangement, mesh)
+        .into_iter()
+        .map(label)
+        .collect()
 }
 
 /// Plans: inside is what walls and openings part from the unbounded outside, and, given start
 /// points, what can be reached from one of them without crossing an opaque wall. Inside an outline
-/// without a sector (a pillar) is outside. The first sector, if there is one, is everywhere.
+/// without a sector (a pillar) is outside. The last zone around a place gives its sector, or else it
+/// is the first one, if there is any.
 fn by_enclosure(
     level: &Level,
     arrangement: &Arrangement,
@@ -210,9 +252,16 @@ fn by_enclosure(
 ) -> Vec<Label> {
     let sector = (!level.sectors.is_empty()).then_some(SectorId(0));
     let around = outlines_around(level, arrangement, mesh);
+    let zone = |cell: u32| {
+        let last = around[cell as usize].last()?;
+        level.outlines[last.0 as usize].sector
+    };
     let solid = |cell: u32| {
         let outline = |id: &OutlineId| &level.outlines[id.0 as usize];
-        around[cell as usize].iter().map(outline).any(|o| o.sector.is_none())
+        around[cell as usize]
+            .iter()
+            .map(outline)
+            .any(|o| o.sector.is_none())
     };
     let mut faces = Faces::new(arrangement, mesh, |p| p.opaque || p.opening);
     let outside = faces.outside();
@@ -220,7 +269,9 @@ fn by_enclosure(
     let mut reached = Vec::new();
     for cell in 0..mesh.n_cells() {
         let corners = mesh.edges[mesh.range(cell)].iter();
-        let corners: Vec<_> = corners.map(|e| arrangement.vertices.get(e.origin)).collect();
+        let corners: Vec<_> = corners
+            .map(|e| arrangement.vertices.get(e.origin))
+            .collect();
         if starts.iter().any(|start| contains(&corners, start)) {
             reached.push(reach.find(cell as u32));
         }
@@ -229,7 +280,11 @@ fn by_enclosure(
         .map(|cell| {
             let enclosed = faces.find(cell) != outside && !solid(cell);
             let inside = enclosed && (starts.is_empty() || reached.contains(&reach.find(cell)));
-            Label { inside, sector: sector.filter(|_| inside), also: Vec::new() }
+            Label {
+                inside,
+                sector: zone(cell).or(sector).filter(|_| inside),
+                also: Vec::new(),
+            }
         })
         .collect()
 }

@@ -23,7 +23,11 @@ pub struct KdOptions {
 
 impl Default for KdOptions {
     fn default() -> Self {
-        Self { leaf_walls: 6, candidates: 9, bsp: bsp::BspOptions::default() }
+        Self {
+            leaf_walls: 6,
+            candidates: 9,
+            bsp: bsp::BspOptions::default(),
+        }
     }
 }
 
@@ -36,7 +40,10 @@ pub fn choose(
     if fragments.len() > options.leaf_walls {
         let mut best: Option<(u64, Line)> = None;
         for axis in axes_by_width(arrangement, fragments) {
-            for &at in middle(&ends(arrangement, fragments, axis), options.candidates.max(1)) {
+            for &at in middle(
+                &ends(arrangement, fragments, axis),
+                options.candidates.max(1),
+            ) {
                 let line = match axis {
                     Axis::X => Line::vertical(at),
                     Axis::Y => Line::horizontal(at),
@@ -83,9 +90,15 @@ fn ends(arrangement: &Arrangement, fragments: &[Fragment], axis: Axis) -> Vec<i6
 fn axes_by_width(arrangement: &Arrangement, fragments: &[Fragment]) -> [Axis; 2] {
     let width = |axis| {
         let ends = ends(arrangement, fragments, axis);
-        ends.last().zip(ends.first()).map_or(0, |(high, low)| high - low)
+        ends.last()
+            .zip(ends.first())
+            .map_or(0, |(high, low)| high - low)
     };
-    if width(Axis::X) >= width(Axis::Y) { [Axis::X, Axis::Y] } else { [Axis::Y, Axis::X] }
+    if width(Axis::X) >= width(Axis::Y) {
+        [Axis::X, Axis::Y]
+    } else {
+        [Axis::Y, Axis::X]
+    }
 }
 
 /// At most `n` elements around the middle.
@@ -104,7 +117,7 @@ fn cost(
 ) -> Option<u64> {
     let (mut left, mut right, mut cut, mut on) = (0u64, 0u64, 0u64, 0u64);
     for f in fragments {
-        let side = |v| line.side(arrangement.vertices.get(v));
+        let side = |v| arrangement.vertices.side(v, line);
         match (side(f.from), side(f.to)) {
             (Side::On, Side::On) => on += 1,
             (Side::Left, Side::Right) | (Side::Right, Side::Left) => cut += 1,

@@ -67,7 +67,10 @@ impl Locator {
         let p = point.approx();
         let bucket = self.bucket(1, p.y) * self.size[0] + self.bucket(0, p.x);
         let holds = |cell: &&CellId| {
-            let corners: Vec<_> = graph.corners(**cell).map(|v| graph.vertices.exact(v)).collect();
+            let corners: Vec<_> = graph
+                .corners(**cell)
+                .map(|v| graph.vertices.exact(v))
+                .collect();
             contains(&corners, point)
         };
         self.buckets[bucket].iter().filter(holds).copied().collect()

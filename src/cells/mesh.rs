@@ -49,7 +49,11 @@ impl Mesh {
     /// Where a half-edge ends.
     pub fn end(&self, edge: usize) -> VertexId {
         let range = self.range(self.edges[edge].cell as usize);
-        let next = if edge + 1 == range.end { range.start } else { edge + 1 };
+        let next = if edge + 1 == range.end {
+            range.start
+        } else {
+            edge + 1
+        };
         self.edges[next].origin
     }
 }
@@ -79,20 +83,30 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
     let mut by_line = leaf_edges(arrangement, partition);
     let n_edges = by_line.len();
     by_line.sort_by_key(|(line, e)| (*line, e.edge));
-    let mut pieces: Vec<(LineId, PieceId)> =
-        arrangement.pieces.iter().zip(0u32..).map(|(p, i)| (p.line, PieceId(i))).collect();
+    let mut pieces: Vec<(LineId, PieceId)> = arrangement
+        .pieces
+        .iter()
+        .zip(0u32..)
+        .map(|(p, i)| (p.line, PieceId(i)))
+        .collect();
     pieces.sort_unstable();
 
     let mut stretches: Vec<Stretch> = Vec::with_capacity(2 * n_edges);
     let mut counts = vec![0u32; n_edges];
     let mut twins: Vec<(usize, usize)> = Vec::with_capacity(n_edges);
-    let mut rank: FxHashMap<VertexId, usize> = FxHashMap::default();
+    // Position among the stops of the line at hand; what other lines left there is not looked at.
+    let mut rank = vec![0usize; arrangement.vertices.len()];
+    let (mut stops, mut sides, mut on) = (Vec::new(), Vec::new(), Vec::new());
     for edges in by_line.chunk_by(|a, b| a.0 == b.0) {
         let line = edges[0].0;
         let start = pieces.partition_point(|p| p.0 < line);
-        let pieces = pieces[start..].iter().take_while(|p| p.0 == line).map(|p| p.1);
+        let pieces = pieces[start..]
+            .iter()
+            .take_while(|p| p.0 == line)
+            .map(|p| p.1);
 
-        let mut stops: Vec<VertexId> = edges.iter().flat_map(|(_, e)| [e.from, e.to]).collect();
+        stops.clear();
+        stops.extend(edges.iter().flat_map(|(_, e)| [e.from, e.to]));
         stops.extend(pieces.clone().flat_map(|p| {
             let piece = arrangement.piece(p);
             [piece.from, piece.to]
@@ -103,19 +117,24 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
         stops.sort_by(|&p, &q| {
             line.cmp_along(arrangement.vertices.get(p), arrangement.vertices.get(q))
         });
-        rank.clear();
-        rank.extend(stops.iter().enumerate().map(|(i, &v)| (v, i)));
+        for (i, v) in stops.iter().enumerate() {
+            rank[v.0 as usize] = i;
+        }
+        let rank = |v: VertexId| rank[v.0 as usize];
 
-        let mut sides: Vec<[Option<&LeafEdge>; 2]> = vec![[None, None]; stops.len()];
+        // Per stretch between two stops, the leaf's edge on its left and on its right.
+        sides.clear();
+        sides.resize(stops.len(), [None::<&LeafEdge>; 2]);
         for (_, e) in edges {
-            for stretch in &mut sides[rank[&e.from]..rank[&e.to]] {
+            for stretch in &mut sides[rank(e.from)..rank(e.to)] {
                 stretch[usize::from(!e.left)] = Some(e);
             }
         }
-        let mut on: Vec<Option<PieceId>> = vec![None; stops.len()];
+        on.clear();
+        on.resize(stops.len(), None);
         for p in pieces {
             let piece = arrangement.piece(p);
-            on[rank[&piece.from]..rank[&piece.to]].fill(Some(p));
+            on[rank(piece.from)..rank(piece.to)].fill(Some(p));
         }
         for (i, sides) in sides.iter().enumerate() {
             let mut place = |e: &LeafEdge| {
@@ -153,7 +172,16 @@ fn leaf_edges(arrangement: &Arrangement, partition: &Partition) -> Vec<(LineId, 
             let left = arrangement.lines.get(line).cmp_along(p, q).is_lt();
             let (from, to) = if left { (from, to) } else { (to, from) };
             let edge = list.len() as u32;
-            list.push((line, LeafEdge { edge, cell, from, to, left }));
+            list.push((
+                line,
+                LeafEdge {
+                    edge,
+                    cell,
+                    from,
+                    to,
+                    left,
+                },
+            ));
         }
     }
     list
@@ -180,15 +208,21 @@ fn assemble(
     let position = |s: &Stretch| {
         // The edge of a leaf on the right of its line runs against the line.
         let i = s.edge as usize;
-        let number = if s.half_edge.left_of_piece { s.number } else { counts[i] - 1 - s.number };
+        let number = if s.half_edge.left_of_piece {
+            s.number
+        } else {
+            counts[i] - 1 - s.number
+        };
         starts[i] + number
     };
     let mut edges: Vec<Option<HalfEdge>> = vec![None; stretches.len()];
     for s in stretches {
         edges[position(s) as usize] = Some(s.half_edge);
     }
-    let mut edges: Vec<HalfEdge> =
-        edges.into_iter().map(|e| e.expect("every position is taken once")).collect();
+    let mut edges: Vec<HalfEdge> = edges
+        .into_iter()
+        .map(|e| e.expect("every position is taken once"))
+        .collect();
     for &(l, r) in twins {
         let (l, r) = (position(&stretches[l]), position(&stretches[r]));
         edges[l as usize].twin = Some(r);
@@ -197,11 +231,15 @@ fn assemble(
     Mesh { edges, first }
 }
 
+/// Which piece of wall lies between two vertices, in the direction of the piece's line.
+pub type PieceBetween = FxHashMap<(VertexId, VertexId), PieceId>;
+
 /// Joins polygons that already meet corner to corner (a triangulation's). Counterclockwise.
-pub fn join_polygons(arrangement: &Arrangement, polygons: &[Vec<VertexId>]) -> Mesh {
-    let pieces: FxHashMap<(VertexId, VertexId), PieceId> =
-        arrangement.pieces.iter().zip(0u32..).map(|(p, i)| ((p.from, p.to), PieceId(i))).collect();
-    let mut mesh = Mesh { edges: Vec::new(), first: vec![0] };
+pub fn join_polygons(pieces: &PieceBetween, polygons: &[Vec<VertexId>]) -> Mesh {
+    let mut mesh = Mesh {
+        edges: Vec::new(),
+        first: vec![0],
+    };
     let mut open: FxHashMap<(VertexId, VertexId), u32> = FxHashMap::default();
     for (cell, polygon) in (0u32..).zip(polygons) {
         for (i, &from) in polygon.iter().enumerate() {

@@ -17,7 +17,6 @@ pub mod mesh;
 pub mod partition;
 mod validate;
 
-
 pub use graph::{Cell, CellGraph, CellId, Edge, EdgeId, PartsError, Portal, PortalId};
 pub use locate::Locator;
 pub use validate::Flaw;
@@ -99,7 +98,10 @@ pub struct Cost {
 /// Subdivides a level. Never fails: whatever is wrong with the level is in the graph's findings.
 pub fn subdivide(level: &Level, options: &Options) -> CellGraph {
     let mut arrangement = arrangement::arrange(level, options.doors);
-    let mut cost = Cost { pieces: arrangement.pieces.len(), ..Cost::default() };
+    let mut cost = Cost {
+        pieces: arrangement.pieces.len(),
+        ..Cost::default()
+    };
     let mesh = match options.subdivision {
         Subdivision::Bsp => split(&mut arrangement, options, false, &mut cost),
         Subdivision::Kd => split(&mut arrangement, options, true, &mut cost),

@@ -12,6 +12,8 @@ use crate::geom::{Line, Side, VertexId};
 pub struct Fragment {
     /// The piece it is part of.
     pub piece: PieceId,
+    /// The piece's line.
+    pub line: LineId,
     /// Its start, in the direction of the piece's line.
     pub from: VertexId,
     /// Its end.
@@ -73,7 +75,12 @@ struct Task {
 pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partition {
     let fragments = (0u32..)
         .zip(&arrangement.pieces)
-        .map(|(i, p)| Fragment { piece: PieceId(i), from: p.from, to: p.to })
+        .map(|(i, p)| Fragment {
+            piece: PieceId(i),
+            line: p.line,
+            from: p.from,
+            to: p.to,
+        })
         .collect();
     let mut tree = Partition {
         nodes: Vec::new(),
@@ -84,7 +91,12 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
     };
     let region = bounding_box(arrangement);
     // An own stack: a room of 10,000 walls makes a tree 10,000 deep.
-    let mut tasks = vec![Task { region, fragments, parent: None, depth: 0 }];
+    let mut tasks = vec![Task {
+        region,
+        fragments,
+        parent: None,
+        depth: 0,
+    }];
     while let Some(task) = tasks.pop() {
         tree.depth = tree.depth.max(task.depth);
         let child = if task.fragments.is_empty() {
@@ -97,7 +109,12 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
             tree.splits += parts.splits;
             let id = tree.nodes.len() as u32;
             let unset = Child::Leaf(u32::MAX);
-            tree.nodes.push(Node { line, left: unset, right: unset, on: parts.on });
+            tree.nodes.push(Node {
+                line,
+                left: unset,
+                right: unset,
+                on: parts.on,
+            });
             let depth = task.depth + 1;
             let parent = |side| Some((id, side));
             tasks.push(Task {
@@ -167,10 +184,15 @@ fn split_fragments(arrangement: &mut Arrangement, fragments: &[Fragment], line: 
         match arrangement.sides(&f, line) {
             (Side::On, Side::On) => parts.on.push(f),
             (Side::Left, Side::Right) | (Side::Right, Side::Left) => {
-                let middle = arrangement.meet(arrangement.piece(f.piece).line, line);
-                let (before, after) = (Fragment { to: middle, ..f }, Fragment { from: middle, ..f });
+                let middle = arrangement.meet(f.line, line);
+                let (before, after) =
+                    (Fragment { to: middle, ..f }, Fragment { from: middle, ..f });
                 let left_first = arrangement.side(f.from, line) == Side::Left;
-                let (left, right) = if left_first { (before, after) } else { (after, before) };
+                let (left, right) = if left_first {
+                    (before, after)
+                } else {
+                    (after, before)
+                };
                 parts.left.push(left);
                 parts.right.push(right);
                 parts.splits += 1;
@@ -228,21 +250,26 @@ impl Arrangement {
     /// Side of a line on which a vertex lies.
     #[inline]
     pub fn side(&self, v: VertexId, line: LineId) -> Side {
-        self.lines.get(line).side(self.vertices.get(v))
+        self.vertices.side(v, self.lines.get(line))
     }
 
     /// Sides of a line on which a fragment's two ends lie.
     #[inline]
     pub fn sides(&self, f: &Fragment, line: LineId) -> (Side, Side) {
-        if self.piece(f.piece).line == line {
+        if f.line == line {
             return (Side::On, Side::On);
         }
-        (self.side(f.from, line), self.side(f.to, line))
+        let line = self.lines.get(line);
+        (
+            self.vertices.side(f.from, line),
+            self.vertices.side(f.to, line),
+        )
     }
 
     /// The vertex in which two lines meet that are known to.
     fn meet(&mut self, l: LineId, m: LineId) -> VertexId {
         let vertex = self.lines.get(l).meet(self.lines.get(m));
-        self.vertices.insert(vertex.expect("lines that part an edge's ends are not parallel to it"))
+        self.vertices
+            .insert(vertex.expect("lines that part an edge's ends are not parallel to it"))
     }
 }

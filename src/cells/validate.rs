@@ -30,7 +30,10 @@ impl fmt::Display for Flaw {
             Flaw::Unpaired(edge) => write!(f, "edge {} does not match its twin", edge.0),
             Flaw::Overlap(v) => write!(f, "cells overlap around vertex {}", v.0),
             Flaw::Area { cells, border } => {
-                write!(f, "the cells cover {cells} square steps, their border encloses {border}")
+                write!(
+                    f,
+                    "the cells cover {cells} square steps, their border encloses {border}"
+                )
             }
         }
     }
@@ -65,12 +68,14 @@ impl CellGraph {
         let corners: Vec<VertexId> = self.corners(cell).collect();
         let n = corners.len();
         let turn = |i: usize| {
-            self.vertices.orient(corners[i], corners[(i + 1) % n], corners[(i + 2) % n])
+            self.vertices
+                .orient(corners[i], corners[(i + 1) % n], corners[(i + 2) % n])
         };
         let lefts = (0..n).filter(|&i| turn(i) == Side::Left).count();
         let rights = (0..n).filter(|&i| turn(i) == Side::Right).count();
         // Turning left everywhere, once around: every corner is left of (or on) the first edges.
-        let once = (1..n).all(|i| self.vertices.orient(corners[0], corners[1], corners[i]) != Side::Right);
+        let once =
+            (1..n).all(|i| self.vertices.orient(corners[0], corners[1], corners[i]) != Side::Right);
         if lefts < 3 || rights > 0 || !once {
             return Err(Flaw::NotConvex(cell));
         }
@@ -108,12 +113,19 @@ impl CellGraph {
 
     fn validate_area(&self) -> Result<(), Flaw> {
         let twice = |e: EdgeId| {
-            let (p, q) = (self.vertices.approx(self.edge(e).origin), self.vertices.approx(self.end(e)));
+            let (p, q) = (
+                self.vertices.approx(self.edge(e).origin),
+                self.vertices.approx(self.end(e)),
+            );
             p.perp_dot(q)
         };
         let ids = || (0..self.edges.len() as u32).map(EdgeId);
         let cells = self.cell_ids().map(|c| self.area(c)).sum::<f64>();
-        let border = ids().filter(|&e| self.edge(e).twin().is_none()).map(twice).sum::<f64>() / 2.0;
+        let border = ids()
+            .filter(|&e| self.edge(e).twin().is_none())
+            .map(twice)
+            .sum::<f64>()
+            / 2.0;
         let scale = ids().map(|e| twice(e).abs()).sum::<f64>();
         if (cells - border).abs() > 1e-9 * scale {
             return Err(Flaw::Area { cells, border });
@@ -123,9 +135,14 @@ impl CellGraph {
 
     /// A cell's area in square grid steps, in f64.
     pub fn area(&self, cell: CellId) -> f64 {
-        let corners: Vec<_> = self.corners(cell).map(|v| self.vertices.approx(v)).collect();
+        let corners: Vec<_> = self
+            .corners(cell)
+            .map(|v| self.vertices.approx(v))
+            .collect();
         let origin = corners[0];
         let fan = corners.windows(2).skip(1);
-        fan.map(|w| (w[0] - origin).perp_dot(w[1] - origin)).sum::<f64>() / 2.0
+        fan.map(|w| (w[0] - origin).perp_dot(w[1] - origin))
+            .sum::<f64>()
+            / 2.0
     }
 }

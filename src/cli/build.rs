@@ -1,19 +1,19 @@
 //! `enfilade build`: from a level to its cells, portals and visible sets.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 
+use super::compute::{self, Built, Job, timed};
 use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use super::output::{self, Output};
 use super::summary::{self, Compared};
-use super::{Answer, complain, progress};
-use crate::cells::{CellGraph, Options, Subdivision, subdivide};
-use crate::level::Level;
-use crate::pvs::{Method, Progress, Pvs, search, sweep};
-use crate::report::json::{self, Seconds};
+use super::{Answer, complain};
+use crate::cells::Subdivision;
+use crate::pvs::Method;
+use crate::pvs::file::{self, LevelInfo};
+use crate::report::json;
 
 /// Compute cells, portals and the potentially visible set of a level.
 #[derive(Debug, Args)]
@@ -35,6 +35,9 @@ pub struct BuildArgs {
     /// Threads to compute with [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Write the PVS file, for `enfilade verify` and other programs
+    #[arg(short, long, value_name = "FILE.pvs")]
+    output: Option<PathBuf>,
     /// Write cells, portals and visible sets as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -92,109 +95,89 @@ pub fn run(args: &BuildArgs) -> Result<Answer> {
     if args.max_steps.is_some() && args.method != MethodArg::Search {
         bail!("--max-steps limits the search; give --method search with it");
     }
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(n) = args.threads {
-        if n == 0 {
-            bail!("--threads 0 cannot compute anything; leave it out to use all processors");
-        }
-        pool = pool.num_threads(n);
+    let job = |subdivision| Job {
+        level: &args.level,
+        cells: args.bsp.options(subdivision, args.doors.into()),
+        method: args.method.into(),
+        max_steps: args.max_steps,
+        threads: args.threads,
+        quiet: args.quiet,
+    };
+    let done = match args.subdivision.single() {
+        Some(subdivision) => one(args, &job(subdivision))?,
+        None => compare(args, job)?,
+    };
+    if !done {
+        complain(&format!(
+            "the search gave up after {} steps, and nothing was written; allow more with \
+             --max-steps, or take --method sweep",
+            args.max_steps.unwrap_or_default()
+        ));
+        return Ok(Answer::No);
     }
-    let pool = pool.build().context("cannot start the threads")?;
-    match args.subdivision.single() {
-        Some(subdivision) => one(args, subdivision, &pool),
-        None => compare(args, &pool),
-    }
+    Ok(Answer::Yes)
 }
 
-fn one(args: &BuildArgs, subdivision: Subdivision, pool: &rayon::ThreadPool) -> Result<Answer> {
-    let mut seconds = Seconds::default();
-    let level = timed(&mut seconds.read, || args.level.read())?;
-    let mut json = args.json.as_deref().map(Output::create).transpose()?;
-    if !args.quiet {
-        warn_of(&level.findings);
-    }
-    let options = args.bsp.options(subdivision, args.doors.into());
-    let graph = timed(&mut seconds.subdivide, || cells(args, &level, &options));
-    if !args.quiet {
-        warn_of(&graph.findings);
-    }
-    let pvs = timed(&mut seconds.visibility, || visibility(args, &graph, pool));
-    let Some(pvs) = pvs else {
-        complain(&gave_up(args));
-        return Ok(Answer::No);
+/// One subdivision, its files and its table. Whether the method came to an end.
+fn one(args: &BuildArgs, job: &Job) -> Result<bool> {
+    let (pvs_path, json_path) = (args.output.as_deref(), args.json.as_deref());
+    output::must_differ(pvs_path, json_path)?;
+    let mut pvs_file = pvs_path.map(Output::create).transpose()?;
+    let mut json_file = json_path.map(Output::create).transpose()?;
+    let Some(Built {
+        level,
+        graph,
+        pvs,
+        mut seconds,
+    }) = compute::build(job)?
+    else {
+        return Ok(false);
     };
     let mut write = 0.0;
-    if let Some(json) = &mut json {
-        timed(&mut write, || {
-            json.write(|out| json::write(out, &level, &graph, &pvs, &seconds))
+    if let Some(file) = &mut pvs_file {
+        timed(&mut seconds.write, || {
+            let bytes = file::encode(&LevelInfo::of(&level), &graph, &pvs);
+            file.write(|out| out.write_all(&bytes))
         })?;
     }
-    output::commit(json)?;
+    if let Some(file) = &mut json_file {
+        timed(&mut write, || {
+            file.write(|out| json::write(out, &level, &graph, &pvs, &seconds))
+        })?;
+    }
+    output::commit(pvs_file.into_iter().chain(json_file))?;
     seconds.write += write;
     if !args.quiet {
         let table = summary::of_build(&level, &graph, &pvs, &seconds);
-        if args.json.as_deref().is_some_and(output::is_stdout) {
+        let paths = [pvs_path, json_path];
+        if paths.into_iter().flatten().any(output::is_stdout) {
             complain(table.trim_end());
         } else {
             output::print(&table)?;
         }
     }
-    Ok(Answer::Yes)
+    Ok(true)
 }
 
-/// All three subdivisions in a table; nothing is written.
-fn compare(args: &BuildArgs, pool: &rayon::ThreadPool) -> Result<Answer> {
-    if args.json.is_some() {
+/// All three subdivisions in a table; nothing is written. Whether the method came to an end.
+fn compare<'a>(args: &'a BuildArgs, job: impl Fn(Subdivision) -> Job<'a>) -> Result<bool> {
+    if args.json.is_some() || args.output.is_some() {
         bail!("--subdivision compare prints a table and writes no files; name one subdivision");
     }
+    let pool = compute::pool(args.threads)?;
     let level = args.level.read()?;
     if !args.quiet {
         warn_of(&level.findings);
     }
     let mut rows = Vec::new();
-    for subdivision in Subdivision::ALL {
-        let options = args.bsp.options(subdivision, args.doors.into());
+    for job in Subdivision::ALL.map(job) {
         let (mut subdivide, mut visible) = (0.0, 0.0);
-        let graph = timed(&mut subdivide, || cells(args, &level, &options));
-        let Some(pvs) = timed(&mut visible, || visibility(args, &graph, pool)) else {
-            complain(&gave_up(args));
-            return Ok(Answer::No);
-        };
-        rows.push(Compared::new(&graph, &pvs, subdivide, visible));
+        let graph = timed(&mut subdivide, || compute::cells(&job, &level));
+        let pvs = timed(&mut visible, || compute::visibility(&job, &graph, &pool));
+        let Some(pvs) = pvs else { return Ok(false) };
+        let size = file::encode(&LevelInfo::of(&level), &graph, &pvs).len();
+        rows.push(Compared::new(&graph, &pvs, subdivide, visible, size));
     }
     output::print(&summary::of_comparison(&level, &rows))?;
-    Ok(Answer::Yes)
-}
-
-fn cells(args: &BuildArgs, level: &Level, options: &Options) -> CellGraph {
-    progress::show("cutting into cells", args.quiet, &Progress::default(), || {
-        subdivide(level, options)
-    })
-}
-
-/// The PVS, or `None` if the search gave up.
-fn visibility(args: &BuildArgs, graph: &CellGraph, pool: &rayon::ThreadPool) -> Option<Pvs> {
-    let counter = Progress::default();
-    progress::show("finding what is visible", args.quiet, &counter, || {
-        pool.install(|| match args.method.into() {
-            Method::Sweep => Some(sweep::sweep(graph, &counter)),
-            Method::Search => search::search(graph, args.max_steps, &counter),
-        })
-    })
-}
-
-fn gave_up(args: &BuildArgs) -> String {
-    format!(
-        "the search gave up after {} steps, and nothing was written; allow more with --max-steps, \
-         or take --method sweep",
-        args.max_steps.unwrap_or_default()
-    )
-}
-
-/// Does the work and says how many seconds it took.
-fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = work();
-    *seconds = start.elapsed().as_secs_f64();
-    result
+    Ok(true)
 }

@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use super::level_args::{LevelArgs, open};
 use super::output::{self, Output};
 use super::{Answer, complain};
-use crate::cells::{Options, findings, subdivide};
+use crate::cells::{Options, subdivide};
 use crate::level::read::Source;
 use crate::level::{Finding, Level, Place};
+use crate::report::check;
 use crate::report::wording::{count, grouped};
 
 /// How many places of a finding the text shows; the JSON has all.
@@ -74,7 +75,11 @@ pub fn run(args: &CheckArgs) -> Result<Answer> {
     }
     output::commit(json)?;
     if unreadable > 0 {
-        bail!("{} of {} cannot be read", unreadable, count(maps.len(), "map"));
+        bail!(
+            "{} of {} cannot be read",
+            unreadable,
+            count(maps.len(), "map")
+        );
     }
     Ok(Answer::Yes)
 }
@@ -85,8 +90,8 @@ fn check(source: &Source, map: Option<&str>) -> Result<(Level, Vec<Finding>)> {
     let graph = subdivide(&level, &Options::default());
     let mut all = level.findings.clone();
     all.extend(graph.findings.iter().cloned());
-    all.extend(findings::of_cells(&level, &graph));
-    all.sort_by(|a, b| b.severity.cmp(&a.severity));
+    all.extend(check::of_cells(&level, &graph));
+    all.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok((level, all))
 }
 
@@ -97,7 +102,12 @@ fn in_words(level: &Level, findings: &[Finding]) -> String {
         n => format!("{}\n", count(n, "finding")),
     };
     for finding in findings {
-        let Finding { code, severity, message, places } = finding;
+        let Finding {
+            code,
+            severity,
+            message,
+            places,
+        } = finding;
         let n = grouped(places.len() as u64);
         _ = writeln!(out, "  {}: {n} × {code}. {message}", severity.as_str());
         let shown: Vec<String> = places.iter().take(SHOWN).map(in_short).collect();
@@ -114,7 +124,11 @@ fn in_words(level: &Level, findings: &[Finding]) -> String {
 fn in_short(place: &Place) -> String {
     let short = |x: f64| (x * 1e4).round() / 1e4;
     match *place {
-        Place::Point { x, y } => Place::Point { x: short(x), y: short(y) }.to_string(),
+        Place::Point { x, y } => Place::Point {
+            x: short(x),
+            y: short(y),
+        }
+        .to_string(),
         _ => place.to_string(),
     }
 }

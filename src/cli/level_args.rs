@@ -31,7 +31,10 @@ impl LevelArgs {
 /// Reads a level file as far as its maps.
 pub fn open(path: &Path) -> Result<Source> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy();
     Ok(Source::parse(bytes, &name)?)
 }
 
@@ -107,8 +110,16 @@ impl BspArgs {
             balance_weight: self.balance_weight,
             ..cells::bsp::BspOptions::default()
         };
-        let kd = cells::kd::KdOptions { bsp, ..cells::kd::KdOptions::default() };
-        cells::Options { subdivision, doors, bsp, kd }
+        let kd = cells::kd::KdOptions {
+            bsp,
+            ..cells::kd::KdOptions::default()
+        };
+        cells::Options {
+            subdivision,
+            doors,
+            bsp,
+            kd,
+        }
     }
 }
 
@@ -124,5 +135,8 @@ pub fn point(text: &str) -> Result<glam::DVec2, String> {
     let wrong = || "two numbers with a comma between them are needed, such as 12.5,-3".to_string();
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    number(x).zip(number(y)).map(|(x, y)| glam::DVec2::new(x, y)).ok_or_else(wrong)
+    number(x)
+        .zip(number(y))
+        .map(|(x, y)| glam::DVec2::new(x, y))
+        .ok_or_else(wrong)
 }

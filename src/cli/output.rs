@@ -21,7 +21,10 @@ enum Sink {
     Stdout,
     /// Something that cannot be replaced: a device or a pipe.
     Direct(File),
-    Beside { temporary: NamedTempFile, target: PathBuf },
+    Beside {
+        temporary: NamedTempFile,
+        target: PathBuf,
+    },
 }
 
 /// Whether a path means standard output.
@@ -30,14 +33,19 @@ pub fn is_stdout(path: &Path) -> bool {
 }
 
 /// Refuses two outputs that go to the same place.
-pub fn must_differ(paths: &[Option<&Path>]) -> Result<()> {
-    let given: Vec<&Path> = paths.iter().flatten().copied().collect();
-    for (i, path) in given.iter().enumerate() {
-        if given[..i].contains(path) {
-            bail!("two outputs go to {}; give them different names", path.display());
+pub fn must_differ(first: Option<&Path>, second: Option<&Path>) -> Result<()> {
+    match (first, second) {
+        (Some(a), Some(b)) if a == b && is_stdout(a) => {
+            bail!("only one output can go to standard output; give the other a file's name")
         }
+        (Some(a), Some(b)) if a == b => {
+            bail!(
+                "two outputs go to {}; give them different names",
+                a.display()
+            )
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 impl Output {
@@ -51,11 +59,10 @@ impl Output {
     /// Writes the contents, buffered. Standard output gets them now.
     pub fn write(&mut self, contents: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
         let filled = match &mut self.sink {
-            Sink::Stdout => fill(io::stdout().lock(), contents),
+            Sink::Stdout => fill_stdout(contents),
             Sink::Direct(file) => fill(file, contents),
-            Sink::Beside { temporary, .. } => {
-                fill(temporary.as_file_mut(), contents).and_then(|()| temporary.as_file().sync_all())
-            }
+            Sink::Beside { temporary, .. } => fill(temporary.as_file_mut(), contents)
+                .and_then(|()| temporary.as_file().sync_all()),
         };
         filled.with_context(|| match self.sink {
             Sink::Stdout => "cannot write to standard output".to_string(),
@@ -71,6 +78,15 @@ fn fill(
     let mut buffered = BufWriter::with_capacity(1 << 16, sink);
     contents(&mut buffered)?;
     buffered.flush()
+}
+
+/// Whoever closes the other end of a pipe has seen enough (`enfilade … | head`): no failure, and
+/// other outputs of the same run are still to be written.
+fn fill_stdout(contents: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    match fill(io::stdout().lock(), contents) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
 }
 
 fn open(path: &Path) -> io::Result<Sink> {
@@ -95,7 +111,11 @@ fn open(path: &Path) -> io::Result<Sink> {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
     };
-    let temporary = builder.tempfile_in(folder)?;
+    fs::metadata(folder)?;
+    // The error's kind alone: nobody has to know the temporary file's name.
+    let temporary = builder
+        .tempfile_in(folder)
+        .map_err(|e| io::Error::from(e.kind()))?;
     Ok(Sink::Beside { temporary, target })
 }
 
@@ -123,8 +143,7 @@ pub fn commit(outputs: impl IntoIterator<Item = Output>) -> Result<()> {
 
 /// Text for people, on standard output.
 pub fn print(text: &str) -> Result<()> {
-    fill(io::stdout().lock(), |out| out.write_all(text.as_bytes()))
-        .context("cannot write to standard output")
+    fill_stdout(|out| out.write_all(text.as_bytes())).context("cannot write to standard output")
 }
 
 #[cfg(test)]

@@ -49,7 +49,12 @@ pub struct PlanArgs {
 
 /// Runs `enfilade plan`.
 pub fn run(args: &PlanArgs) -> Result<Answer> {
-    let ending = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let ending = args
+        .output
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     let as_png = match ending.as_str() {
         "png" => true,
         "svg" => false,
@@ -69,7 +74,11 @@ pub fn run(args: &PlanArgs) -> Result<Answer> {
         Some(source) => {
             let pvs = sweep::sweep(&graph, &Progress::default());
             let lines = sightlines::sample(&graph, &pvs, source, SIGHTLINES);
-            let view = View { source, pvs: &pvs, lines };
+            let view = View {
+                source,
+                pvs: &pvs,
+                lines,
+            };
             draw(&level, &graph, Some(&view), args.width)
         }
     };
@@ -93,7 +102,9 @@ fn source(args: &PlanArgs, level: &Level, graph: &CellGraph) -> Result<Option<Ce
         }
         return Ok(Some(CellId(cell)));
     }
-    let Some(point) = args.from else { return Ok(None) };
+    let Some(point) = args.from else {
+        return Ok(None);
+    };
     let on_grid = graph.grid.nearest(point);
     let cell = on_grid.and_then(|p| Locator::new(graph).cell_at(graph, p));
     if cell.is_none() {

@@ -1,12 +1,13 @@
 //! The progress bar: shown only on a terminal, and only for work of more than half a second.
 
+use std::fmt;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::pvs::Progress;
 
@@ -43,7 +44,7 @@ fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
             known = true;
             bar.set_length(total);
             bar.set_style(style(
-                "{msg} [{bar:30}] {human_pos} of {human_len}, {per_sec}, {eta} left",
+                "{msg} [{bar:30}] {human_pos} of {human_len}, {rate}, {eta} left",
             ));
         }
         bar.set_position(progress.done.load(Relaxed));
@@ -57,5 +58,8 @@ fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
 
 fn style(template: &str) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).expect("the templates are constants");
-    style.progress_chars("=> ")
+    let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
+        _ = write!(out, "{:.0}/s", state.per_sec());
+    };
+    style.with_key("rate", rate).progress_chars("=> ")
 }

@@ -50,7 +50,12 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
             ),
         );
     }
-    let Seconds { read, subdivide, visibility, write } = *seconds;
+    let Seconds {
+        read,
+        subdivide,
+        visibility,
+        write,
+    } = *seconds;
     line(
         "time",
         format!(
@@ -67,12 +72,12 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
 
 /// One row of the comparison.
 pub struct Compared {
-    cells: [String; 9],
+    cells: [String; 10],
 }
 
 impl Compared {
-    /// The figures of a subdivision; times in seconds.
-    pub fn new(graph: &CellGraph, pvs: &Pvs, subdivide: f64, visibility: f64) -> Self {
+    /// The figures of a subdivision; times in seconds, the size of its PVS file in bytes.
+    pub fn new(graph: &CellGraph, pvs: &Pvs, subdivide: f64, visibility: f64, size: usize) -> Self {
         let depth = match graph.options.subdivision {
             Subdivision::Cdt => "-".to_string(),
             _ => graph.cost.depth.to_string(),
@@ -88,6 +93,7 @@ impl Compared {
                 grouped(pvs.pairs()),
                 format!("{:.4}", pvs.density()),
                 duration(visibility),
+                grouped(size as u64),
             ],
         }
     }
@@ -96,7 +102,16 @@ impl Compared {
 /// Subdivisions side by side.
 pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
     let head = [
-        "", "cells", "portals", "splits", "depth", "subdivide", "pairs", "density", "visibility",
+        "",
+        "cells",
+        "portals",
+        "splits",
+        "depth",
+        "subdivide",
+        "pairs",
+        "density",
+        "visibility",
+        "file bytes",
     ];
     let mut out = title(level);
     _ = writeln!(out, "{}\n", level_figures(level));
@@ -108,7 +123,11 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
     let mut line = |cells: &[&str]| {
         for (i, cell) in cells.iter().enumerate() {
             let pad = " ".repeat(widths[i] - cell.chars().count());
-            _ = if i == 0 { write!(out, "{cell}{pad}") } else { write!(out, "  {pad}{cell}") };
+            _ = if i == 0 {
+                write!(out, "{cell}{pad}")
+            } else {
+                write!(out, "  {pad}{cell}")
+            };
         }
         out.push('\n');
     };
@@ -131,14 +150,21 @@ fn level_figures(level: &Level) -> String {
         count(level.sectors.len(), "sector"),
     );
     if level.snap > 0.0 {
-        _ = write!(text, "; points moved by at most {:.2e} {}", level.snap, unit(level));
+        _ = write!(
+            text,
+            "; points moved by at most {:.2e} {}",
+            level.snap,
+            unit(level)
+        );
     }
     text
 }
 
 /// The cell that sees most, with how many it sees; the first of several.
 fn largest(graph: &CellGraph, pvs: &Pvs) -> Option<(CellId, usize)> {
-    let sizes = graph.cell_ids().map(|c| (c, pvs.visible.count(c.0 as usize)));
+    let sizes = graph
+        .cell_ids()
+        .map(|c| (c, pvs.visible.count(c.0 as usize)));
     sizes.reduce(|best, next| if next.1 > best.1 { next } else { best })
 }
 
@@ -147,5 +173,9 @@ fn whereabouts(level: &Level, graph: &CellGraph, cell: CellId) -> String {
     let corners = polygon(graph, cell);
     let middle = corners.iter().sum::<glam::DVec2>() / corners.len().max(1) as f64;
     let room = in_sector(level, graph, cell);
-    format!("{room} at {}, {}", coordinate(level, middle.x), coordinate(level, middle.y))
+    format!(
+        "{room} at {}, {}",
+        coordinate(level, middle.x),
+        coordinate(level, middle.y)
+    )
 }

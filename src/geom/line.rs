@@ -30,7 +30,11 @@ impl Line {
             (dx, dy) = (-dx, -dy);
         }
         (dx, dy) = (dx / g, dy / g);
-        Some(Self { a: -dy, b: dx, c: dy * p.x - dx * p.y })
+        Some(Self {
+            a: -dy,
+            b: dx,
+            c: dy * p.x - dx * p.y,
+        })
     }
 
     /// The vertical line at `x`, pointing up: its left side is where x is smaller.
@@ -97,8 +101,14 @@ mod tests {
     #[test]
     fn the_same_line_from_any_two_of_its_points() {
         let line = Line::through(GridPoint::new(0, 1), GridPoint::new(3, 3)).unwrap();
-        assert_eq!(Line::through(GridPoint::new(9, 7), GridPoint::new(-3, -1)), Some(line));
-        assert_eq!(Line::through(GridPoint::new(5, 5), GridPoint::new(5, 5)), None);
+        assert_eq!(
+            Line::through(GridPoint::new(9, 7), GridPoint::new(-3, -1)),
+            Some(line)
+        );
+        assert_eq!(
+            Line::through(GridPoint::new(5, 5), GridPoint::new(5, 5)),
+            None
+        );
     }
 
     #[test]

@@ -8,6 +8,8 @@ use ethnum::I256;
 use glam::DVec2;
 use rustc_hash::FxHashMap;
 
+use super::grid::GridPoint;
+use super::line::Line;
 use super::vertex::Vertex;
 
 /// A side of a directed line.
@@ -116,11 +118,19 @@ impl Vertices {
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = approx.iter().fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
+            let m = approx
+                .iter()
+                .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
             m * m * 2f64.powi(-45)
         };
         let narrow = width(&exact) <= 127;
-        Self { exact, approx, all_grid, narrow, bound }
+        Self {
+            exact,
+            approx,
+            all_grid,
+            narrow,
+            bound,
+        }
     }
 
     /// Number of vertices.
@@ -153,7 +163,10 @@ impl Vertices {
     /// The vertex with its f64 copy.
     #[inline]
     pub fn placed(&self, id: VertexId) -> Placed {
-        Placed { id, at: self.approx(id) }
+        Placed {
+            id,
+            at: self.approx(id),
+        }
     }
 
     /// As [`orient`], for vertices at hand.
@@ -195,7 +208,11 @@ impl Vertices {
     #[inline(never)]
     fn orient_exact(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
         let [p, q, r] = [p, q, r].map(|v| self.exact(v));
-        if self.narrow { orient_narrow(p, q, r) } else { orient(p, q, r) }
+        if self.narrow {
+            orient_narrow(p, q, r)
+        } else {
+            orient(p, q, r)
+        }
     }
 
     /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same
@@ -210,14 +227,22 @@ impl Vertices {
 #[derive(Clone, Debug, Default)]
 pub struct VertexSet {
     list: Vec<Vertex>,
+    /// Grid points in little room; [`OFF_GRID`] for the others.
+    grid: Vec<[i32; 2]>,
     ids: FxHashMap<Vertex, VertexId>,
 }
+
+/// Stands for a vertex that is not on the grid.
+const OFF_GRID: [i32; 2] = [i32::MIN; 2];
 
 impl VertexSet {
     /// The id of `v`, new if the point is new.
     pub fn insert(&mut self, v: Vertex) -> VertexId {
         *self.ids.entry(v).or_insert_with(|| {
             self.list.push(v);
+            let narrow = |p: GridPoint| Some([p.x.try_into().ok()?, p.y.try_into().ok()?]);
+            self.grid
+                .push(v.grid().and_then(narrow).unwrap_or(OFF_GRID));
             VertexId(self.list.len() as u32 - 1)
         })
     }
@@ -226,6 +251,15 @@ impl VertexSet {
     #[inline]
     pub fn get(&self, id: VertexId) -> &Vertex {
         &self.list[id.0 as usize]
+    }
+
+    /// Side of the line on which the vertex lies; as [`Line::side`], but faster for grid points.
+    #[inline]
+    pub fn side(&self, id: VertexId, line: &Line) -> Side {
+        match self.grid[id.0 as usize] {
+            OFF_GRID => line.side(self.get(id)),
+            [x, y] => Side::of(line.a * i64::from(x) + line.b * i64::from(y) + line.c),
+        }
     }
 
     /// Number of points.

@@ -19,7 +19,11 @@ pub struct Vertex {
 
 impl From<GridPoint> for Vertex {
     fn from(p: GridPoint) -> Self {
-        Self { x: p.x.into(), y: p.y.into(), w: 1 }
+        Self {
+            x: p.x.into(),
+            y: p.y.into(),
+            w: 1,
+        }
     }
 }
 
@@ -38,7 +42,11 @@ impl Vertex {
         Some(if g == 1 {
             Self { x, y, w }
         } else {
-            Self { x: x / wide, y: y / wide, w: w / g }
+            Self {
+                x: x / wide,
+                y: y / wide,
+                w: w / g,
+            }
         })
     }
 
@@ -66,6 +74,9 @@ impl Vertex {
     /// Nearest f64 coordinates in grid steps; exact for grid points, else within 3·2^-53 of the
     /// coordinate (two conversions and a division, each correctly rounded).
     pub fn approx(&self) -> DVec2 {
+        if let Some(p) = self.grid() {
+            return DVec2::new(p.x as f64, p.y as f64);
+        }
         let w = self.w as f64;
         DVec2::new(self.x as f64 / w, self.y as f64 / w)
     }
@@ -79,7 +90,11 @@ impl Vertex {
     /// The point moved by whole steps.
     pub fn shifted(&self, dx: i64, dy: i64) -> Self {
         let w = i128::from(self.w);
-        Self { x: self.x + i128::from(dx) * w, y: self.y + i128::from(dy) * w, w: self.w }
+        Self {
+            x: self.x + i128::from(dx) * w,
+            y: self.y + i128::from(dy) * w,
+            w: self.w,
+        }
     }
 
     /// The point mirrored: x negated, then y negated, then both exchanged, each if asked for.
@@ -122,7 +137,10 @@ mod tests {
         assert_eq!((v.x(), v.y(), v.w()), (-3, 2, 4));
         assert_eq!(Vertex::homogeneous(-3, 2, 4), Some(v));
         assert_eq!(Vertex::homogeneous(1, 1, 0), None);
-        assert_eq!(Vertex::homogeneous(0, 0, -5), Some(GridPoint::new(0, 0).into()));
+        assert_eq!(
+            Vertex::homogeneous(0, 0, -5),
+            Some(GridPoint::new(0, 0).into())
+        );
     }
 
     #[test]

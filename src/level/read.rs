@@ -8,11 +8,11 @@ use std::path::Path;
 
 use thiserror::Error;
 
+use super::Level;
 use super::doom::{self, DoomError};
 use super::snap::{SnapError, snap};
 use super::toml::{self, TomlError};
 use super::wad::{Wad, WadError};
-use super::Level;
 
 /// Why a file gives no level. Every message names the file, the place in it where there is one, and
 /// what to do.
@@ -71,7 +71,7 @@ pub enum ReadError {
         /// File name.
         file: String,
         /// The mistake, with line and column.
-        error: TomlError,
+        error: Box<TomlError>,
     },
     /// A damaged WAD.
     #[error("{file}: {error}")]
@@ -114,8 +114,16 @@ impl Source {
     /// `file_name` is the file's name without its folder.
     pub fn parse(bytes: Vec<u8>, file_name: &str) -> Result<Source, ReadError> {
         let file = file_name.to_string();
-        let ending = Path::new(file_name).extension().unwrap_or_default().to_string_lossy();
-        let not_yet = |format| Err(ReadError::NotYet { file: file.clone(), format });
+        let ending = Path::new(file_name)
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy();
+        let not_yet = |format| {
+            Err(ReadError::NotYet {
+                file: file.clone(),
+                format,
+            })
+        };
         let magic = matches!(bytes.get(..4), Some(b"IWAD" | b"PWAD"));
         let contents = match ending.to_lowercase().as_str() {
             _ if magic => wad(bytes, &file)?,
@@ -151,16 +159,23 @@ impl Source {
         let file = || self.file.clone();
         match (&self.contents, map) {
             (Contents::Toml(text), None) => {
-                toml::read(text, &self.file).map_err(|error| ReadError::Toml { file: file(), error })
+                toml::read(text, &self.file).map_err(|error| ReadError::Toml {
+                    file: file(),
+                    error: error.into(),
+                })
             }
-            (Contents::Toml(_), Some(map)) => {
-                Err(ReadError::OneLevel { file: file(), map: map.to_string() })
-            }
+            (Contents::Toml(_), Some(map)) => Err(ReadError::OneLevel {
+                file: file(),
+                map: map.to_string(),
+            }),
             (Contents::Wad(wad), Some(map)) => self.doom_level(wad, map),
             (Contents::Wad(wad), None) => match self.maps().as_slice() {
                 [] => Err(ReadError::NoMaps { file: file() }),
                 [map] => self.doom_level(wad, map),
-                maps => Err(ReadError::SeveralMaps { file: file(), maps: maps.to_vec() }),
+                maps => Err(ReadError::SeveralMaps {
+                    file: file(),
+                    maps: maps.to_vec(),
+                }),
             },
         }
     }
@@ -168,7 +183,11 @@ impl Source {
     fn doom_level(&self, wad: &Wad, map: &str) -> Result<Level, ReadError> {
         let draft = doom::read_map(wad, map, &self.file)?;
         let name = draft.name.clone();
-        snap(draft).map_err(|error| ReadError::Grid { file: self.file.clone(), map: name, error })
+        snap(draft).map_err(|error| ReadError::Grid {
+            file: self.file.clone(),
+            map: name,
+            error,
+        })
     }
 }
 
@@ -179,7 +198,10 @@ pub fn read(bytes: Vec<u8>, file_name: &str, map: Option<&str>) -> Result<Level,
 }
 
 fn wad(bytes: Vec<u8>, file: &str) -> Result<Contents, ReadError> {
-    let wad = Wad::parse(bytes).map_err(|error| ReadError::Wad { file: file.to_string(), error })?;
+    let wad = Wad::parse(bytes).map_err(|error| ReadError::Wad {
+        file: file.to_string(),
+        error,
+    })?;
     Ok(Contents::Wad(wad))
 }
 
@@ -187,7 +209,10 @@ fn text(bytes: Vec<u8>, file: &str) -> Result<String, ReadError> {
     String::from_utf8(bytes).map_err(|error| {
         let read = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + read.iter().filter(|&&b| b == b'\n').count();
-        ReadError::NotUtf8 { file: file.to_string(), line }
+        ReadError::NotUtf8 {
+            file: file.to_string(),
+            line,
+        }
     })
 }
 
@@ -201,7 +226,9 @@ mod tests {
     fn wad_with(maps: &[&str]) -> Vec<u8> {
         let mut names = Vec::new();
         for map in maps {
-            names.extend([*map, "THINGS", "LINEDEFS", "SIDEDEFS", "VERTEXES", "SECTORS"]);
+            names.extend([
+                *map, "THINGS", "LINEDEFS", "SIDEDEFS", "VERTEXES", "SECTORS",
+            ]);
         }
         let mut bytes = b"PWAD".to_vec();
         bytes.extend((names.len() as u32).to_le_bytes());
@@ -222,7 +249,10 @@ mod tests {
     #[test]
     fn toml_by_its_ending() {
         let level = read(ROOM.to_vec(), "hall.TOML", None).unwrap();
-        assert_eq!((level.name.as_str(), level.source.as_str()), ("hall", "hall.TOML"));
+        assert_eq!(
+            (level.name.as_str(), level.source.as_str()),
+            ("hall", "hall.TOML")
+        );
     }
 
     #[test]
@@ -240,7 +270,10 @@ mod tests {
             "two.wad: there are 2 maps, name one with --map: E1M1, E1M2"
         );
         let missing = message(&two, "two.wad", Some("E9M9"));
-        assert!(missing.contains("two.wad") && missing.contains("E1M1, E1M2"), "{missing}");
+        assert!(
+            missing.contains("two.wad") && missing.contains("E1M1, E1M2"),
+            "{missing}"
+        );
         assert!(message(&wad_with(&[]), "none.wad", None).contains("no maps"));
         assert!(message(b"0\nSECTION\n", "plan.dxf", None).contains("DXF"));
         assert!(message(b"hello", "plan.txt", None).contains("plan.txt: unknown kind"));

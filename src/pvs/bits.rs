@@ -14,7 +14,10 @@ pub struct BitMatrix {
 impl BitMatrix {
     /// All zero.
     pub fn new(n: usize) -> Self {
-        Self { n, words: vec![0; n * n.div_ceil(64)] }
+        Self {
+            n,
+            words: vec![0; n * n.div_ceil(64)],
+        }
     }
 
     /// Rows (and columns).
@@ -67,7 +70,10 @@ impl BitMatrix {
 
     /// Number of ones.
     pub fn total(&self) -> u64 {
-        self.words.par_iter().map(|w| u64::from(w.count_ones())).sum()
+        self.words
+            .par_iter()
+            .map(|w| u64::from(w.count_ones()))
+            .sum()
     }
 
     /// The matrix together with its transpose and the diagonal. O(n²/64), in parallel.
@@ -79,26 +85,29 @@ impl BitMatrix {
         let source = &self.words;
         let mut words = source.clone();
         // Blocks of 64 rows, each gathering one column of words of the source.
-        words.par_chunks_mut(64 * stride).enumerate().for_each(|(block, rows)| {
-            for other in 0..stride {
-                let mut square = [0u64; 64];
-                for (k, word) in square.iter_mut().enumerate() {
-                    let i = other * 64 + k;
-                    if i < n {
-                        *word = source[i * stride + block];
+        words
+            .par_chunks_mut(64 * stride)
+            .enumerate()
+            .for_each(|(block, rows)| {
+                for other in 0..stride {
+                    let mut square = [0u64; 64];
+                    for (k, word) in square.iter_mut().enumerate() {
+                        let i = other * 64 + k;
+                        if i < n {
+                            *word = source[i * stride + block];
+                        }
+                    }
+                    if square.iter().any(|w| *w != 0) {
+                        transpose(&mut square);
+                        for (row, word) in rows.chunks_mut(stride).zip(square) {
+                            row[other] |= word;
+                        }
                     }
                 }
-                if square.iter().any(|w| *w != 0) {
-                    transpose(&mut square);
-                    for (row, word) in rows.chunks_mut(stride).zip(square) {
-                        row[other] |= word;
-                    }
+                for (k, row) in rows.chunks_mut(stride).enumerate() {
+                    row[block] |= 1 << k;
                 }
-            }
-            for (k, row) in rows.chunks_mut(stride).enumerate() {
-                row[block] |= 1 << k;
-            }
-        });
+            });
         BitMatrix { n, words }
     }
 
@@ -176,7 +185,10 @@ pub(super) struct SmallSet {
 impl SmallSet {
     pub fn new(n: usize) -> Self {
         let words = n.div_ceil(64);
-        Self { words: vec![0; words], summary: vec![0; words.div_ceil(64)] }
+        Self {
+            words: vec![0; words],
+            summary: vec![0; words.div_ceil(64)],
+        }
     }
 
     #[inline]
@@ -248,7 +260,10 @@ mod tests {
             let result = shared.into_matrix().symmetric();
             assert_eq!(result, expected, "n = {n}");
             assert!(result.is_symmetric());
-            assert_eq!(result.total() as usize, (0..n).map(|i| result.ones(i).count()).sum::<usize>());
+            assert_eq!(
+                result.total() as usize,
+                (0..n).map(|i| result.ones(i).count()).sum::<usize>()
+            );
         }
     }
 

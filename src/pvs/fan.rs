@@ -47,7 +47,12 @@ pub(super) enum Wanted {
 enum Step {
     /// Enter the cell through the edge (an edge of the cell entered), between two directions.
     /// `asks` whether parts of it may be unwanted.
-    Enter { entry: u32, low: Ray, high: Ray, asks: bool },
+    Enter {
+        entry: u32,
+        low: Ray,
+        high: Ray,
+        asks: bool,
+    },
     /// The cell's interval ends here.
     Exit(u32, Ray),
 }
@@ -72,7 +77,10 @@ struct About<'a> {
 impl About<'_> {
     #[inline]
     fn ray(&self, edge: &FlatEdge) -> Ray {
-        Ray { to: edge.end.id, d: edge.end.at - self.origin }
+        Ray {
+            to: edge.end.id,
+            d: edge.end.at - self.origin,
+        }
     }
 
     #[inline]
@@ -88,7 +96,9 @@ impl About<'_> {
 
     /// How much between two directions is wanted.
     fn want(&self, low: &Ray, high: &Ray) -> Want {
-        let Wanted::Opposable { first, last } = &self.wanted else { return Want::All };
+        let Wanted::Opposable { first, last } = &self.wanted else {
+            return Want::All;
+        };
         // Less than a half turn from the group's end on; up to a half turn from its start.
         let late = |ray| self.side(ray, last) != Side::Right;
         let early = |ray| self.side(first, ray) != Side::Right;
@@ -130,14 +140,23 @@ impl FanWalk {
     ) -> u64 {
         let graph = mesh.graph;
         let vertices = &graph.vertices;
-        let about = About { vertices, v, origin: vertices.approx(v), wanted };
+        let about = About {
+            vertices,
+            v,
+            origin: vertices.approx(v),
+            wanted,
+        };
         let asks = matches!(wanted, Wanted::Opposable { .. });
         let mut entered = 0;
         for &base in bases {
             let cell = graph.edge(base).cell.0;
             let last_edge = graph.previous(base);
             let mut from = about.ray(mesh.edge(base.0));
-            event(Event { ray: from, cell, enters: true });
+            event(Event {
+                ray: from,
+                cell,
+                enters: true,
+            });
             entered += 1;
             let mut e = graph.next(base);
             while e != last_edge {
@@ -145,13 +164,22 @@ impl FanWalk {
                 let to = about.ray(edge);
                 // An edge in line with v (after a vertex in the middle of a side) is not seen.
                 if edge.twin != WALL && about.is_left(&from, &to) {
-                    self.steps.push(Step::Enter { entry: edge.twin, low: from, high: to, asks });
+                    self.steps.push(Step::Enter {
+                        entry: edge.twin,
+                        low: from,
+                        high: to,
+                        asks,
+                    });
                     entered += self.run(mesh, &about, &mut event);
                 }
                 from = to;
                 e = graph.next(e);
             }
-            event(Event { ray: from, cell, enters: false });
+            event(Event {
+                ray: from,
+                cell,
+                enters: false,
+            });
         }
         entered
     }
@@ -161,10 +189,19 @@ impl FanWalk {
         while let Some(step) = self.steps.pop() {
             let (entry, low, high, mut asks) = match step {
                 Step::Exit(cell, ray) => {
-                    event(Event { ray, cell, enters: false });
+                    event(Event {
+                        ray,
+                        cell,
+                        enters: false,
+                    });
                     continue;
                 }
-                Step::Enter { entry, low, high, asks } => (entry, low, high, asks),
+                Step::Enter {
+                    entry,
+                    low,
+                    high,
+                    asks,
+                } => (entry, low, high, asks),
             };
             if asks {
                 match about.want(&low, &high) {
@@ -174,8 +211,14 @@ impl FanWalk {
                 }
             }
             let entered_by = mesh.edge(entry);
-            let FlatEdge { cell, first, past, .. } = *entered_by;
-            event(Event { ray: low, cell, enters: true });
+            let FlatEdge {
+                cell, first, past, ..
+            } = *entered_by;
+            event(Event {
+                ray: low,
+                cell,
+                enters: true,
+            });
             entered += 1;
             self.steps.push(Step::Exit(cell, high));
             // Seen from v, the ends of the edges that follow the entry counterclockwise turn from
@@ -185,7 +228,13 @@ impl FanWalk {
             let n = past - first;
             let mut end = about.ray(mesh.edge(e));
             if n > MANY_EDGES {
-                let after = |k: u32| if entry + k < past { entry + k } else { entry + k - n };
+                let after = |k: u32| {
+                    if entry + k < past {
+                        entry + k
+                    } else {
+                        entry + k - n
+                    }
+                };
                 let (mut below, mut above) = (0, n - 1);
                 while above - below > 1 {
                     let middle = (below + above) / 2;
@@ -210,7 +259,12 @@ impl FanWalk {
                 let to = if inside { end } else { high };
                 let twin = mesh.edge(e).twin;
                 if twin != WALL {
-                    self.steps.push(Step::Enter { entry: twin, low: from, high: to, asks });
+                    self.steps.push(Step::Enter {
+                        entry: twin,
+                        low: from,
+                        high: to,
+                        asks,
+                    });
                 }
                 if !inside {
                     break;

@@ -29,7 +29,11 @@ impl FlatEdge {
     /// The edge that follows edge `e` of this edge's cell.
     #[inline]
     pub fn next(&self, e: u32) -> u32 {
-        if e + 1 == self.past { self.first } else { e + 1 }
+        if e + 1 == self.past {
+            self.first
+        } else {
+            e + 1
+        }
     }
 }
 
@@ -46,7 +50,10 @@ impl<'a> FlatMesh<'a> {
                 past: range.end,
             }
         };
-        Self { graph, edges: (0..graph.edges.len() as u32).map(edge).collect() }
+        Self {
+            graph,
+            edges: (0..graph.edges.len() as u32).map(edge).collect(),
+        }
     }
 
     #[inline]

@@ -107,14 +107,21 @@ impl Pvs {
     /// Visible pairs as a share of all pairs; 0 without cells.
     pub fn density(&self) -> f64 {
         let n = self.visible.n() as f64;
-        if n == 0.0 { 0.0 } else { self.pairs() as f64 / (n * n) }
+        if n == 0.0 {
+            0.0
+        } else {
+            self.pairs() as f64 / (n * n)
+        }
     }
 
     /// Checks that the relation is symmetric and reflexive, and that cells that share a portal see
     /// each other.
     pub fn validate(&self, graph: &CellGraph) -> Result<(), Flaw> {
         if self.visible.n() != graph.cells.len() {
-            return Err(Flaw::Size { cells: graph.cells.len(), rows: self.visible.n() });
+            return Err(Flaw::Size {
+                cells: graph.cells.len(),
+                rows: self.visible.n(),
+            });
         }
         for a in graph.cell_ids() {
             if !self.sees(a, a) {
@@ -158,10 +165,18 @@ impl fmt::Display for Flaw {
             Flaw::Size { cells, rows } => write!(f, "{cells} cells, but {rows} rows"),
             Flaw::NotReflexive(a) => write!(f, "cell {} does not see itself", a.0),
             Flaw::NotSymmetric(a, b) => {
-                write!(f, "cell {} sees cell {}, but not the other way round", a.0, b.0)
+                write!(
+                    f,
+                    "cell {} sees cell {}, but not the other way round",
+                    a.0, b.0
+                )
             }
             Flaw::Neighbours(a, b) => {
-                write!(f, "cells {} and {} share a portal but do not see each other", a.0, b.0)
+                write!(
+                    f,
+                    "cells {} and {} share a portal but do not see each other",
+                    a.0, b.0
+                )
             }
         }
     }

@@ -34,7 +34,7 @@ pub fn search(graph: &CellGraph, max_steps: Option<u64>, progress: &Progress) ->
                 return;
             }
             let budget = limit.saturating_sub(steps.load(Relaxed));
-            let taken = walk.from_cell(CellId(source as u32), row, budget);
+            let taken = walk.see_from(CellId(source as u32), row, budget);
             if steps.fetch_add(taken, Relaxed) + taken > limit {
                 given_up.store(true, Relaxed);
             }
@@ -69,12 +69,16 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn new(mesh: &'a FlatMesh<'a>) -> Self {
-        Self { mesh, funnel: Funnel::default(), frames: Vec::new() }
+        Self {
+            mesh,
+            funnel: Funnel::default(),
+            frames: Vec::new(),
+        }
     }
 
     /// Sets the bits of the cells seen from `source`; returns the cells entered, more than `budget`
     /// if that ran out.
-    fn from_cell(&mut self, source: CellId, row: &mut [u64], budget: u64) -> u64 {
+    fn see_from(&mut self, source: CellId, row: &mut [u64], budget: u64) -> u64 {
         let mesh = self.mesh;
         let vertices = &mesh.graph.vertices;
         let mut mark = |cell: u32| row[cell as usize / 64] |= 1 << (cell % 64);
@@ -87,7 +91,8 @@ impl<'a> Walk<'a> {
             }
             mark(mesh.edge(entry).cell);
             steps += 1;
-            self.funnel.begin(mesh.edge(first).end, mesh.edge(entry).end);
+            self.funnel
+                .begin(mesh.edge(first).end, mesh.edge(entry).end);
             self.frames.push(self.enter(entry, None));
             while let Some(frame) = self.frames.last_mut() {
                 if frame.next == frame.entry || steps > budget {
@@ -114,7 +119,8 @@ impl<'a> Walk<'a> {
                     let next = self.enter(twin, undo);
                     *self.frames.last_mut().unwrap() = next;
                 } else if let Some(undo) =
-                    self.funnel.extend(vertices, (end, seen), (right, right_seen))
+                    self.funnel
+                        .extend(vertices, (end, seen), (right, right_seen))
                 {
                     if self.funnel.leads_left() {
                         self.funnel.undo(&undo);

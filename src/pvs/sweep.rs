@@ -74,8 +74,10 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
         .map_init(
             || Scratch::new(n),
             |scratch, chunk| {
-                let steps: u64 =
-                    chunk.iter().map(|group| about(graph, &mesh, &plan, group, scratch, &bits)).sum();
+                let steps: u64 = chunk
+                    .iter()
+                    .map(|group| about(graph, &mesh, &plan, group, scratch, &bits))
+                    .sum();
                 progress.advance(chunk.len());
                 steps
             },
@@ -127,7 +129,13 @@ fn plan(graph: &CellGraph) -> Plan {
                 Side::On => Span::Simple,
             };
             let end = plan.bases.len() as u32;
-            plan.groups.push(Group { vertex, first, end, span, covers: false });
+            plan.groups.push(Group {
+                vertex,
+                first,
+                end,
+                span,
+                covers: false,
+            });
         }
     }
     cover(graph, &mut plan);
@@ -158,7 +166,10 @@ fn cover(graph: &CellGraph, plan: &mut Plan) {
     let mut queue: BinaryHeap<(Value, Reverse<usize>)> = (0..plan.groups.len())
         .map(|g| {
             let group = &plan.groups[g];
-            (Value(value(group, &plan.bases[bases_of(group)], &covered)), Reverse(g))
+            (
+                Value(value(group, &plan.bases[bases_of(group)], &covered)),
+                Reverse(g),
+            )
         })
         .collect();
     // Values only fall as cells get covered, so the first whose value still holds is the best.
@@ -232,10 +243,16 @@ fn about(
     let bases = &plan.bases[range.clone()];
     let covers = &plan.covers[range];
     let cell_of = |base: EdgeId| graph.edge(base).cell.0;
-    let chosen = bases.iter().zip(covers).filter(|(_, chosen)| **chosen).map(|(&base, _)| base);
+    let chosen = bases
+        .iter()
+        .zip(covers)
+        .filter(|(_, chosen)| **chosen)
+        .map(|(&base, _)| base);
     if group.span == Span::Simple {
         // Rule 1: every cell of the group sees all of the fan.
-        let Scratch { walk, ahead: seen, .. } = scratch;
+        let Scratch {
+            walk, ahead: seen, ..
+        } = scratch;
         let steps = walk.walk(mesh, group.vertex, bases, Wanted::All, |event| {
             if event.enters {
                 seen.insert(event.cell);
@@ -250,7 +267,10 @@ fn about(
         Wanted::All
     } else {
         let origin = graph.vertices.approx(group.vertex);
-        let ray = |to| Ray { to, d: graph.vertices.approx(to) - origin };
+        let ray = |to| Ray {
+            to,
+            d: graph.vertices.approx(to) - origin,
+        };
         let last = graph.previous(bases[bases.len() - 1]);
         Wanted::Opposable {
             first: ray(graph.end(bases[0])),
@@ -259,7 +279,9 @@ fn about(
     };
     scratch.events.clear();
     let Scratch { walk, events, .. } = scratch;
-    let steps = walk.walk(mesh, group.vertex, bases, wanted, |event| events.push(event));
+    let steps = walk.walk(mesh, group.vertex, bases, wanted, |event| {
+        events.push(event)
+    });
     for base in chosen {
         see_ahead(graph, group.vertex, base, scratch, bits);
     }
@@ -280,13 +302,21 @@ fn see_ahead(
     let first = graph.end(base);
     let last = graph.edge(graph.previous(base)).origin;
     let origin = graph.vertices.approx(v);
-    let (first_d, last_d) =
-        (graph.vertices.approx(first) - origin, graph.vertices.approx(last) - origin);
+    let (first_d, last_d) = (
+        graph.vertices.approx(first) - origin,
+        graph.vertices.approx(last) - origin,
+    );
     let seen = &mut scratch.ahead;
     let events = &scratch.events;
     // All of a cell lies within its angle at v, so it comes and goes once.
-    let begin = events.iter().position(|e| e.cell == cell).expect("the fan holds its bases");
-    let end = events.iter().rposition(|e| e.cell == cell).expect("the fan holds its bases");
+    let begin = events
+        .iter()
+        .position(|e| e.cell == cell)
+        .expect("the fan holds its bases");
+    let end = events
+        .iter()
+        .rposition(|e| e.cell == cell)
+        .expect("the fan holds its bases");
     // `On` means the same direction, which is near enough, or the opposite one, which is not.
     let within = |side: Side, p: VertexId, q: VertexId| {
         side == Side::Left || (side == Side::On && graph.vertices.same_direction(v, p, q))
@@ -317,13 +347,20 @@ fn see_ahead(
 /// Rule 2: cells met on opposite sides of v by one free line through it. Two pointers go through the
 /// fan's events, the second a half turn ahead of the first.
 fn pair_opposites(graph: &CellGraph, v: VertexId, scratch: &mut Scratch, bits: &SharedBits) {
-    let Scratch { events, ahead, behind, .. } = scratch;
+    let Scratch {
+        events,
+        ahead,
+        behind,
+        ..
+    } = scratch;
     let vertices = &graph.vertices;
-    let side = |p: &Event, q: &Event| {
-        vertices.orient_from(v, p.ray.to, p.ray.d, q.ray.to, q.ray.d)
-    };
+    let side = |p: &Event, q: &Event| vertices.orient_from(v, p.ray.to, p.ray.d, q.ray.to, q.ray.d);
     let apply = |set: &mut SmallSet, event: &Event| {
-        if event.enters { set.insert(event.cell) } else { set.remove(event.cell) }
+        if event.enters {
+            set.insert(event.cell)
+        } else {
+            set.remove(event.cell)
+        }
     };
     let start = events[0];
     // What is seen in the first direction, …
@@ -362,9 +399,8 @@ fn pair_opposites(graph: &CellGraph, v: VertexId, scratch: &mut Scratch, bits: &
             Side::On => (true, true),
         };
         let (at_i, at_j) = (events[i], events[j]);
-        let here = |at: &Event, event: &Event| {
-            at.ray.to == event.ray.to || side(at, event) == Side::On
-        };
+        let here =
+            |at: &Event, event: &Event| at.ray.to == event.ray.to || side(at, event) == Side::On;
         // Intervals that only touch in one direction do not pair: all exits come first.
         if take_i {
             while !events[i].enters && here(&at_i, &events[i]) {

@@ -41,7 +41,12 @@ pub fn write(
     pvs: &Pvs,
     seconds: &Seconds,
 ) -> io::Result<()> {
-    let document = Document { level, graph, pvs, seconds };
+    let document = Document {
+        level,
+        graph,
+        pvs,
+        seconds,
+    };
     let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
     document.serialize(&mut serializer)?;
     serializer.into_inner().write_all(b"\n")
@@ -50,8 +55,11 @@ pub fn write(
 /// A cell's corners in the level's own coordinates: convex, counterclockwise, without repeated
 /// points and without corners that rounding to f64 has put in line with their neighbours.
 pub fn polygon(graph: &CellGraph, cell: CellId) -> Vec<DVec2> {
-    let mut points: Vec<DVec2> =
-        graph.polygon(cell).into_iter().map(|v| position(graph, v)).collect();
+    let mut points: Vec<DVec2> = graph
+        .polygon(cell)
+        .into_iter()
+        .map(|v| position(graph, v))
+        .collect();
     points.dedup();
     while points.len() > 1 && points.first() == points.last() {
         points.pop();
@@ -83,7 +91,12 @@ struct Document<'a> {
 
 impl Serialize for Document<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Document { level, graph, pvs, seconds } = self;
+        let Document {
+            level,
+            graph,
+            pvs,
+            seconds,
+        } = self;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("format", "enfilade.pvs")?;
         map.serialize_entry("version", &1)?;
@@ -91,8 +104,14 @@ impl Serialize for Document<'_> {
         map.serialize_entry("subdivision", graph.options.subdivision.as_str())?;
         map.serialize_entry("visibility", &Visibility { graph, pvs })?;
         map.serialize_entry("seconds", seconds)?;
-        map.serialize_entry("cells", &each(graph.cell_ids().map(|id| cell(level, graph, id))))?;
-        map.serialize_entry("portals", &each(graph.portals.iter().map(|p| portal(graph, p))))?;
+        map.serialize_entry(
+            "cells",
+            &each(graph.cell_ids().map(|id| cell(level, graph, id))),
+        )?;
+        map.serialize_entry(
+            "portals",
+            &each(graph.portals.iter().map(|p| portal(graph, p))),
+        )?;
         let row = |id| each(pvs.seen_from(id).map(|c| c.0));
         map.serialize_entry("visible", &each(graph.cell_ids().map(row)))?;
         map.end()
@@ -152,7 +171,10 @@ fn cell(level: &Level, graph: &CellGraph, id: CellId) -> CellRecord {
         sector: sector_id.map(|s| s.0),
         floor: sector.map(|s| s.floor.rest),
         ceiling: sector.map(|s| s.ceiling.rest),
-        polygon: polygon(graph, id).into_iter().map(|p| p.to_array()).collect(),
+        polygon: polygon(graph, id)
+            .into_iter()
+            .map(|p| p.to_array())
+            .collect(),
     }
 }
 
@@ -196,11 +218,20 @@ struct Lines {
 }
 
 impl Lines {
-    fn separate<W: ?Sized + Write>(&self, out: &mut W, first: bool, depth: usize) -> io::Result<()> {
+    fn separate<W: ?Sized + Write>(
+        &self,
+        out: &mut W,
+        first: bool,
+        depth: usize,
+    ) -> io::Result<()> {
         if !first {
             out.write_all(b",")?;
         }
-        if self.depth <= depth { out.write_all(b"\n") } else { Ok(()) }
+        if self.depth <= depth {
+            out.write_all(b"\n")
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -231,5 +262,63 @@ impl Formatter for Lines {
 
     fn begin_object_key<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
         self.separate(out, first, 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::{Options, subdivide};
+    use crate::level::read::read;
+    use crate::pvs::{Progress, sweep::sweep};
+    use serde_json::Value;
+
+    const ROOMS: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 0.1, 4]\n\
+        [[room]]\nname = \"B\"\nrect = [0.1, 0, 8, 4]\nceiling = 2.5\n\
+        [[door]]\nbetween = [\"A\", \"B\"]\nwidth = 1\nheight = 2\n";
+
+    #[test]
+    fn two_rooms_in_full() {
+        let level = read(ROOMS.into(), "rooms.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let pvs = sweep(&graph, &Progress::default());
+        let mut text = Vec::new();
+        write(&mut text, &level, &graph, &pvs, &Seconds::default()).unwrap();
+        let json: Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(json["format"], "enfilade.pvs");
+        assert_eq!(json["level"]["name"], "rooms");
+        assert_eq!(json["level"]["snap"], 0.0);
+        assert_eq!(json["visibility"]["class"], "exact");
+        assert_eq!(json["visibility"]["pairs"], 4);
+        assert_eq!(json["visible"], serde_json::json!([[0, 1], [0, 1]]));
+        let cells = json["cells"].as_array().unwrap();
+        let b = cells.iter().find(|c| c["sector"] == 1).unwrap();
+        assert_eq!(b["ceiling"], 2.5);
+        let corner = serde_json::json!([0.1, 4.0]);
+        assert!(b["polygon"].as_array().unwrap().contains(&corner), "{b}");
+        let portal = &json["portals"][0];
+        assert_eq!(
+            (&portal["bottom"], &portal["top"]),
+            (&0.0.into(), &2.0.into())
+        );
+        // A line for each key, cell, portal and visible set.
+        assert_eq!(text.iter().filter(|&&b| b == b'\n').count(), 1 + 9 + 5 + 1);
+    }
+
+    #[test]
+    fn polygons_are_convex_after_rounding() {
+        let round = "[[room]]\nname = \"A\"\nrect = [0, 0, 20, 20]\n\
+            [[pillar]]\ncenter = [7.1, 8.3]\nradius = 3\nsides = 31\n";
+        let level = read(round.into(), "round.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        for cell in graph.cell_ids() {
+            let corners = polygon(&graph, cell);
+            let n = corners.len();
+            assert!(n >= 3);
+            for i in 0..n {
+                let (p, q, r) = (corners[i], corners[(i + 1) % n], corners[(i + 2) % n]);
+                assert!((q - p).perp_dot(r - q) > 0.0);
+            }
+        }
     }
 }

@@ -1,5 +1,6 @@
-//! Results for people and other programs: JSON, and pictures of the plan.
+//! Results for people and other programs: findings, JSON, and pictures of the plan.
 
+pub mod check;
 pub mod json;
 pub mod picture;
 pub mod plan;

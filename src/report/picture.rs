@@ -28,16 +28,27 @@ pub enum PictureError {
 /// Draws an SVG, `width` pixels across and as high as its shape asks for, on white. Texts are set
 /// in Ubuntu Light, whatever fonts the computer has.
 pub fn png(svg: &str, width: u32) -> Result<Vec<u8>, PictureError> {
-    let mut options = usvg::Options { font_family: "Ubuntu".into(), ..usvg::Options::default() };
-    options.fontdb_mut().load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
+    let mut options = usvg::Options {
+        font_family: "Ubuntu".into(),
+        ..usvg::Options::default()
+    };
+    options
+        .fontdb_mut()
+        .load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
     let tree = usvg::Tree::from_str(svg, &options)?;
     let scale = width as f32 / tree.size().width();
     let height = (tree.size().height() * scale).ceil() as u32;
     let mut pixels =
         tiny_skia::Pixmap::new(width, height).ok_or(PictureError::Size { width, height })?;
     pixels.fill(tiny_skia::Color::WHITE);
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| PictureError::Pack(e.to_string()))
+    resvg::render(
+        &tree,
+        tiny_skia::Transform::from_scale(scale, scale),
+        &mut pixels.as_mut(),
+    );
+    pixels
+        .encode_png()
+        .map_err(|e| PictureError::Pack(e.to_string()))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::geom::{GridPoint, Side, Vertex, orient};
+use crate::geom::{GRID_LIMIT, GridPoint, Side, Vertex, orient};
 use crate::pvs::Pvs;
 
 /// How many segments are tried for a pair of cells.
@@ -36,7 +36,8 @@ pub fn sample(graph: &CellGraph, pvs: &Pvs, source: CellId, n: usize) -> Vec<Sig
         .map(|cell| (cell, middle(graph, cell), f64::INFINITY))
         .collect();
     let start = middle(graph, source);
-    open.iter_mut().for_each(|o| o.2 = o.1.distance_squared(start));
+    open.iter_mut()
+        .for_each(|o| o.2 = o.1.distance_squared(start));
     let mut lines = Vec::new();
     let mut failures = 0;
     while lines.len() < n && failures < 4 * n {
@@ -47,7 +48,8 @@ pub fn sample(graph: &CellGraph, pvs: &Pvs, source: CellId, n: usize) -> Vec<Sig
         match find(graph, source, cell, &mut random) {
             Some(line) => {
                 lines.push(line);
-                open.iter_mut().for_each(|o| o.2 = o.2.min(o.1.distance_squared(at)));
+                open.iter_mut()
+                    .for_each(|o| o.2 = o.2.min(o.1.distance_squared(at)));
             }
             None => failures += 1,
         }
@@ -61,12 +63,64 @@ fn find(
     target: CellId,
     random: &mut Pcg64Mcg,
 ) -> Option<Sightline> {
-    (0..TRIES).find_map(|_| {
-        let from = point_inside(graph, source, random)?;
-        let to = point_inside(graph, target, random)?;
-        (walk(graph, source, from, to) == Some(target))
-            .then_some(Sightline { from, to, cell: target })
+    (0..TRIES).find_map(|i| {
+        let (from, to) = if i % 2 == 0 {
+            (
+                point_inside(graph, source, random)?,
+                point_inside(graph, target, random)?,
+            )
+        } else {
+            through_portals(graph, source, target, random)?
+        };
+        let free = is_inside(graph, source, from) && walk(graph, source, from, to) == Some(target);
+        free.then_some(Sightline {
+            from,
+            to,
+            cell: target,
+        })
     })
+}
+
+/// A segment that leaves the source through one of its portals, enters the target through another,
+/// and goes a little farther at both ends: it may end outside of the two.
+fn through_portals(
+    graph: &CellGraph,
+    source: CellId,
+    target: CellId,
+    random: &mut Pcg64Mcg,
+) -> Option<(GridPoint, GridPoint)> {
+    let [out, into] = [source, target].map(|cell| {
+        let portals = graph
+            .edge_range(cell)
+            .map(EdgeId)
+            .filter(|&e| graph.edge(e).twin().is_some());
+        let portals: Vec<EdgeId> = portals.collect();
+        let edge = *portals.get(random.random_range(0..portals.len().max(1)))?;
+        let [p, q] = [graph.edge(edge).origin, graph.end(edge)].map(|v| graph.vertices.approx(v));
+        Some((p.lerp(q, random.random()), size(graph, cell)))
+    });
+    let ((a, before), (b, after)) = (out?, into?);
+    let direction = (b - a).try_normalize()?;
+    let from = a - direction * before * random.random::<f64>();
+    let to = b + direction * after * random.random::<f64>();
+    Some((rounded(from), rounded(to)))
+}
+
+/// The longer side of a cell's extent, in grid steps.
+fn size(graph: &CellGraph, cell: CellId) -> f64 {
+    let middle = middle(graph, cell);
+    let reach = |v| (graph.vertices.approx(v) - middle).abs().max_element();
+    2.0 * graph
+        .polygon(cell)
+        .into_iter()
+        .map(reach)
+        .fold(0.0, f64::max)
+}
+
+fn rounded(p: DVec2) -> GridPoint {
+    let limit = (GRID_LIMIT - 1) as f64;
+    let p = p.round().clamp(DVec2::splat(-limit), DVec2::splat(limit));
+    GridPoint::new(p.x as i64, p.y as i64)
 }
 
 /// The mean of a cell's corners, in grid steps.
@@ -78,17 +132,23 @@ pub(super) fn middle(graph: &CellGraph, cell: CellId) -> DVec2 {
 
 /// A random grid point strictly inside a cell; `None` after a few misses (a sliver may hold none).
 fn point_inside(graph: &CellGraph, cell: CellId, random: &mut Pcg64Mcg) -> Option<GridPoint> {
-    let corners: Vec<DVec2> =
-        graph.polygon(cell).iter().map(|&v| graph.vertices.approx(v)).collect();
+    let corners: Vec<DVec2> = graph
+        .polygon(cell)
+        .iter()
+        .map(|&v| graph.vertices.approx(v))
+        .collect();
     (0..4).find_map(|_| {
-        let weights: Vec<f64> = corners.iter().map(|_| -random.random::<f64>().ln_1p()).collect();
+        let weights: Vec<f64> = corners
+            .iter()
+            .map(|_| -random.random::<f64>().ln_1p())
+            .collect();
         let total: f64 = weights.iter().sum();
         let sum: DVec2 = corners.iter().zip(&weights).map(|(&p, &w)| p * w).sum();
         let p = sum / total;
         if !p.is_finite() {
             return None;
         }
-        let point = GridPoint::new(p.x.round() as i64, p.y.round() as i64);
+        let point = rounded(p);
         is_inside(graph, cell, point).then_some(point)
     })
 }
@@ -104,12 +164,7 @@ pub fn is_inside(graph: &CellGraph, cell: CellId, point: GridPoint) -> bool {
 
 /// Follows the segment from a point strictly inside `cell`: the cell in which it ends strictly
 /// inside, or `None` if it meets a wall, a vertex, or ends on a portal.
-pub fn walk(
-    graph: &CellGraph,
-    mut cell: CellId,
-    from: GridPoint,
-    to: GridPoint,
-) -> Option<CellId> {
+pub fn walk(graph: &CellGraph, mut cell: CellId, from: GridPoint, to: GridPoint) -> Option<CellId> {
     let (p, q): (Vertex, Vertex) = (from.into(), to.into());
     let side = |e: EdgeId| orient(&p, &q, graph.vertices.exact(graph.edge(e).origin));
     if from == to {

@@ -45,13 +45,23 @@ pub fn duration(seconds: f64) -> String {
 /// The level's unit after a number: `map units`, but `m`.
 pub fn unit(level: &Level) -> String {
     let unit = &level.unit;
-    if unit.len() > 2 && !unit.ends_with('s') { format!("{unit}s") } else { unit.clone() }
+    if unit.len() > 2 && !unit.ends_with('s') {
+        format!("{unit}s")
+    } else {
+        unit.clone()
+    }
 }
 
 /// The room or sector in which a cell lies: ` in 'Hall'`, ` in sector 12`, or nothing.
 pub fn in_sector(level: &Level, graph: &CellGraph, cell: CellId) -> String {
-    let Some(id) = graph.cell(cell).sector else { return String::new() };
-    match level.sectors.get(id.0 as usize).and_then(|s| s.name.as_deref()) {
+    let Some(id) = graph.cell(cell).sector else {
+        return String::new();
+    };
+    match level
+        .sectors
+        .get(id.0 as usize)
+        .and_then(|s| s.name.as_deref())
+    {
         Some(name) => format!(" in '{name}'"),
         None => format!(" in sector {}", id.0),
     }
@@ -59,7 +69,11 @@ pub fn in_sector(level: &Level, graph: &CellGraph, cell: CellId) -> String {
 
 /// A plan coordinate with digits that suit the level: whole map units, or hundredths.
 pub fn coordinate(level: &Level, x: f64) -> String {
-    if level.grid.step.length() >= 1.0 { format!("{x:.0}") } else { format!("{x:.2}") }
+    if level.grid.step.length() >= 1.0 {
+        format!("{x:.0}")
+    } else {
+        format!("{x:.2}")
+    }
 }
 
 #[cfg(test)]

@@ -139,7 +139,10 @@ pub struct Funnel {
 }
 
 impl Seen {
-    const WITHIN: Seen = Seen { inside_left: true, inside_right: true };
+    const WITHIN: Seen = Seen {
+        inside_left: true,
+        inside_right: true,
+    };
 }
 
 impl Funnel {
@@ -156,17 +159,25 @@ impl Funnel {
     /// in the chain, there are no lines yet, and all is within.
     #[inline]
     pub fn next_seen(&self, vertices: &Vertices, before: Seen, p: &Placed) -> Seen {
-        let Some((ccw, cw)) = self.lines.last() else { return Seen::WITHIN };
+        let Some((ccw, cw)) = self.lines.last() else {
+            return Seen::WITHIN;
+        };
         if !before.inside_right && !cw.passes(vertices, p, Side::Left) {
             return before;
         }
-        Seen { inside_left: ccw.passes(vertices, p, Side::Right), inside_right: true }
+        Seen {
+            inside_left: ccw.passes(vertices, p, Side::Right),
+            inside_right: true,
+        }
     }
 
     /// The right end of the last portal, as the extreme lines see it.
     pub fn right_end_seen(&self) -> Seen {
         // The clockwise-most line touches it, or passes left of it.
-        Seen { inside_left: true, inside_right: self.lines.is_empty() }
+        Seen {
+            inside_left: true,
+            inside_right: self.lines.is_empty(),
+        }
     }
 
     /// Whether a portal in the cell beyond the last one lets all stabbing lines through and touches
@@ -189,7 +200,10 @@ impl Funnel {
         if !left_seen.inside_right || !right_seen.inside_left {
             return None;
         }
-        let mut undo = Undo { left: self.left.state(), right: self.right.state() };
+        let mut undo = Undo {
+            left: self.left.state(),
+            right: self.right.state(),
+        };
         let Some(&(ccw, cw)) = self.lines.last() else {
             // Two portals of one convex cell: unless they lie in line, every pair of inner points
             // is a stabbing line.
@@ -199,27 +213,41 @@ impl Funnel {
                 return None;
             }
             self.lines.push((
-                Through { from: first_right, to: left },
-                Through { from: first_left, to: right },
+                Through {
+                    from: first_right,
+                    to: left,
+                },
+                Through {
+                    from: first_left,
+                    to: right,
+                },
             ));
             self.left.push(vertices, left, Side::Left, &mut undo.left);
-            self.right.push(vertices, right, Side::Right, &mut undo.right);
+            self.right
+                .push(vertices, right, Side::Right, &mut undo.right);
             return Some(undo);
         };
         let (mut new_ccw, mut new_cw) = (ccw, cw);
         if left_seen.inside_left {
             self.right.touch(vertices, left, Side::Left);
-            new_ccw = Through { from: self.right.first(), to: left };
+            new_ccw = Through {
+                from: self.right.first(),
+                to: left,
+            };
         }
         if right_seen.inside_right {
             self.left.touch(vertices, right, Side::Right);
-            new_cw = Through { from: self.left.first(), to: right };
+            new_cw = Through {
+                from: self.left.first(),
+                to: right,
+            };
         }
         if left_seen.inside_left {
             self.left.push(vertices, left, Side::Left, &mut undo.left);
         }
         if right_seen.inside_right {
-            self.right.push(vertices, right, Side::Right, &mut undo.right);
+            self.right
+                .push(vertices, right, Side::Right, &mut undo.right);
         }
         self.lines.push((new_ccw, new_cw));
         Some(undo)
@@ -230,7 +258,9 @@ impl Funnel {
     #[inline]
     pub fn leads_left(&self) -> bool {
         let left = |line: &Through| line.to.at.x - line.from.at.x <= -1.0;
-        self.lines.last().is_some_and(|(ccw, cw)| left(ccw) && left(cw))
+        self.lines
+            .last()
+            .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.

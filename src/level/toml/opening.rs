@@ -319,7 +319,7 @@ fn hole_between_points(
 ) -> Result<Hole, TomlError> {
     let place = plan.place(points.span());
     let ends = points.get_ref().each_ref().map(|p| vec2(*p.get_ref()));
-    if ends[0].distance(ends[1]) <= plan.grid.step.length() {
+    if ends[0].distance(ends[1]) < 0.5 * plan.grid.step.length() {
         return Err(TomlError::Degenerate {
             place,
             what: "the two ends of the opening are the same point; move one".into(),

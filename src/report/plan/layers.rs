@@ -57,7 +57,12 @@ impl<'a> Layers<'a> {
             lines.entry(line).or_default().segment(p, q);
         }
         let wall = (typical(lengths) * 0.04).clamp(0.9, 2.6);
-        Layers { graph, sheet, lines, wall }
+        Layers {
+            graph,
+            sheet,
+            lines,
+            wall,
+        }
     }
 
     /// Whether any edge is of this kind.
@@ -68,7 +73,10 @@ impl<'a> Layers<'a> {
     /// The ground, each sector in its colour.
     pub fn sectors(&self, colours: &[&'static str]) -> Group {
         let of_cell = |cell: CellId| match self.graph.cell(cell).sector {
-            Some(s) => colours.get(s.0 as usize).copied().unwrap_or(palette::NO_SECTOR),
+            Some(s) => colours
+                .get(s.0 as usize)
+                .copied()
+                .unwrap_or(palette::NO_SECTOR),
             None => palette::NO_SECTOR,
         };
         self.ground(of_cell)
@@ -77,35 +85,61 @@ impl<'a> Layers<'a> {
     /// The ground, coloured by what the source sees.
     pub fn visible(&self, view: &View) -> Group {
         let [source, seen, other] = palette::VIEW;
-        self.ground(|cell| {
-            if cell == view.source {
-                source
-            } else if view.pvs.sees(view.source, cell) {
+        let ground = self.ground(|cell| {
+            if view.pvs.sees(view.source, cell) {
                 seen
             } else {
                 other
             }
-        })
+        });
+        // The source on top and with a border, so that the smallest cell is found.
+        let corners = self.corners(view.source);
+        let (low, high) = corners
+            .iter()
+            .fold((corners[0], corners[0]), |(low, high), p| {
+                (low.min(*p), high.max(*p))
+            });
+        let border = if (high - low).min_element() < 6.0 {
+            9.0
+        } else {
+            2.5
+        };
+        let mut data = PathData::default();
+        data.polygon(&corners);
+        let path = Path::new().set("d", data.0).set("fill", source);
+        ground.add(
+            path.set("stroke", source)
+                .set("stroke-width", border)
+                .set("stroke-linejoin", "round"),
+        )
+    }
+
+    fn corners(&self, cell: CellId) -> Vec<glam::DVec2> {
+        let corners = self.graph.corners(cell);
+        corners.map(|v| self.sheet.vertex(self.graph, v)).collect()
     }
 
     /// One path for each colour, so that no seams show between cells of the same colour.
     fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
         let mut areas: BTreeMap<&str, PathData> = BTreeMap::new();
         for cell in self.graph.cell_ids() {
-            let corners = self.graph.corners(cell);
-            let corners: Vec<_> = corners.map(|v| self.sheet.vertex(self.graph, v)).collect();
-            areas.entry(colour(cell)).or_default().polygon(&corners);
+            areas
+                .entry(colour(cell))
+                .or_default()
+                .polygon(&self.corners(cell));
         }
-        areas.into_iter().fold(Group::new().set("id", "cells"), |group, (colour, data)| {
-            // The thin outline closes the seams between different colours.
-            group.add(
-                Path::new()
-                    .set("d", data.0)
-                    .set("fill", colour)
-                    .set("stroke", colour)
-                    .set("stroke-width", 0.5),
-            )
-        })
+        areas
+            .into_iter()
+            .fold(Group::new().set("id", "cells"), |group, (colour, data)| {
+                // The thin outline closes the seams between different colours.
+                group.add(
+                    Path::new()
+                        .set("d", data.0)
+                        .set("fill", colour)
+                        .set("stroke", colour)
+                        .set("stroke-width", 0.5),
+                )
+            })
     }
 
     /// Borders between cells that only the subdivision made.
@@ -113,14 +147,18 @@ impl<'a> Layers<'a> {
         let width = (self.wall * 0.3).max(0.35);
         let dashes = format!("{} {}", short(width * 5.0), short(width * 4.0));
         let path = self.path(Line::Border, palette::PORTAL, width);
-        let path = path.set("stroke-dasharray", dashes).set("stroke-opacity", 0.6);
+        let path = path
+            .set("stroke-dasharray", dashes)
+            .set("stroke-opacity", 0.6);
         Group::new().set("id", "portals").add(path)
     }
 
     /// Changes of sector without a wall.
     pub fn steps(&self) -> Group {
         let path = self.path(Line::Step, palette::PORTAL, (self.wall * 0.35).max(0.4));
-        Group::new().set("id", "steps").add(path.set("stroke-opacity", 0.9))
+        Group::new()
+            .set("id", "steps")
+            .add(path.set("stroke-opacity", 0.9))
     }
 
     /// Walls, and doors that count as such.
@@ -129,7 +167,11 @@ impl<'a> Layers<'a> {
         Group::new()
             .set("id", "walls")
             .add(round(self.path(Line::Wall, palette::WALL, self.wall)))
-            .add(round(self.path(Line::ClosedDoor, palette::CLOSED, self.wall * 1.3)))
+            .add(round(self.path(
+                Line::ClosedDoor,
+                palette::CLOSED,
+                self.wall * 1.3,
+            )))
     }
 
     /// Doors, windows and archways.
@@ -137,7 +179,10 @@ impl<'a> Layers<'a> {
         let dots = format!("{} {}", short(self.wall), short(self.wall * 1.2));
         Group::new()
             .set("id", "openings")
-            .add(self.path(Line::Archway, palette::ARCHWAY, self.wall).set("stroke-dasharray", dots))
+            .add(
+                self.path(Line::Archway, palette::ARCHWAY, self.wall)
+                    .set("stroke-dasharray", dots),
+            )
             .add(self.path(Line::Door, palette::DOOR, self.wall * 1.15))
             .add(self.path(Line::Window, palette::WINDOW, self.wall * 1.5))
             .add(self.path(Line::Window, "white", self.wall * 0.6))
@@ -175,7 +220,9 @@ impl<'a> Layers<'a> {
 
 fn line_of(level: &Level, graph: &CellGraph, id: EdgeId) -> Line {
     let edge = graph.edge(id);
-    let Some(wall) = edge.wall() else { return Line::Border };
+    let Some(wall) = edge.wall() else {
+        return Line::Border;
+    };
     let closed = graph.options.doors == Doors::Closed;
     let sealed = edge.twin().is_none();
     // Openings to the outside have nothing on their other side, but are drawn as what they are.

@@ -47,14 +47,24 @@ pub fn scale_bar(level: &Level, sheet: &Sheet) -> Group {
     let unit_length = sheet.scale / level.grid.step.length();
     let wanted = sheet.width / 8.0 / unit_length;
     let power = 10f64.powf(wanted.log10().floor());
-    let length = [5.0, 2.0, 1.0].map(|m| m * power).into_iter().find(|&l| l <= wanted);
+    let length = [5.0, 2.0, 1.0]
+        .map(|m| m * power)
+        .into_iter()
+        .find(|&l| l <= wanted);
     let length = length.unwrap_or(power);
     let line = |x0: f64, y0: f64, x1: f64, y1: f64| {
         let line = LineElement::new().set("x1", short(x0)).set("y1", short(y0));
         line.set("x2", short(x1)).set("y2", short(y1))
     };
     // f64's own way of writing gives 0.5, 20 and 1000 as they are.
-    let label = format!("{length} {}", if length == 1.0 { level.unit.clone() } else { unit(level) });
+    let label = format!(
+        "{length} {}",
+        if length == 1.0 {
+            level.unit.clone()
+        } else {
+            unit(level)
+        }
+    );
     let right = sheet.width - sheet.side - text_width(&label, SIZE) - 10.0;
     let left = right - length * unit_length;
     let y = 61.5;
@@ -69,7 +79,12 @@ pub fn scale_bar(level: &Level, sheet: &Sheet) -> Group {
 
 enum Swatch {
     Area(&'static str),
-    Stroke { colour: &'static str, width: f64, dashes: &'static str, inner: bool },
+    Stroke {
+        colour: &'static str,
+        width: f64,
+        dashes: &'static str,
+        inner: bool,
+    },
     Sight,
 }
 
@@ -87,16 +102,52 @@ pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> (Group,
     }
     let mut stroke = |line, label, colour, width, dashes, inner| {
         if layers.has(line) {
-            items.push((label, Swatch::Stroke { colour, width, dashes, inner }));
+            items.push((
+                label,
+                Swatch::Stroke {
+                    colour,
+                    width,
+                    dashes,
+                    inner,
+                },
+            ));
         }
     };
     stroke(Line::Wall, "wall", palette::WALL, 2.4, "", false);
-    stroke(Line::ClosedDoor, "closed door", palette::CLOSED, 2.8, "", false);
+    stroke(
+        Line::ClosedDoor,
+        "closed door",
+        palette::CLOSED,
+        2.8,
+        "",
+        false,
+    );
     stroke(Line::Door, "door", palette::DOOR, 2.6, "", false);
     stroke(Line::Window, "window", palette::WINDOW, 3.4, "", true);
-    stroke(Line::Archway, "archway", palette::ARCHWAY, 2.2, "2.2 2.6", false);
-    stroke(Line::Step, "change of sector", palette::PORTAL, 0.9, "", false);
-    stroke(Line::Border, "other portal", palette::PORTAL, 0.7, "3.5 2.8", false);
+    stroke(
+        Line::Archway,
+        "archway",
+        palette::ARCHWAY,
+        2.2,
+        "2.2 2.6",
+        false,
+    );
+    stroke(
+        Line::Step,
+        "change of sector",
+        palette::PORTAL,
+        0.9,
+        "",
+        false,
+    );
+    stroke(
+        Line::Border,
+        "other portal",
+        palette::PORTAL,
+        0.7,
+        "3.5 2.8",
+        false,
+    );
 
     let mut group = Group::new().set("id", "legend");
     let (mut x, mut rows) = (sheet.side, 1);
@@ -132,12 +183,24 @@ fn draw_swatch(group: Group, swatch: &Swatch, x: f64, y: f64) -> Group {
                 .set("stroke", palette::PORTAL)
                 .set("stroke-width", 0.4),
         ),
-        Swatch::Stroke { colour, width, dashes, inner } => {
+        Swatch::Stroke {
+            colour,
+            width,
+            dashes,
+            inner,
+        } => {
             let outer = line(colour, width);
-            let outer =
-                if dashes.is_empty() { outer } else { outer.set("stroke-dasharray", dashes) };
+            let outer = if dashes.is_empty() {
+                outer
+            } else {
+                outer.set("stroke-dasharray", dashes)
+            };
             let group = group.add(outer);
-            if inner { group.add(line("white", width * 0.4)) } else { group }
+            if inner {
+                group.add(line("white", width * 0.4))
+            } else {
+                group
+            }
         }
         Swatch::Sight => group.add(line(palette::SIGHT, 0.9)).add(
             Circle::new()

@@ -43,7 +43,12 @@ pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -
         .set("height", (f64::from(width) * height / sheet.width).round())
         .set("font-family", super::picture::FONT)
         .set("font-weight", 300)
-        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "white"));
+        .add(
+            Rectangle::new()
+                .set("width", "100%")
+                .set("height", "100%")
+                .set("fill", "white"),
+        );
     let colours = palette::by_sector(graph, level.sectors.len());
     document = match view {
         None => document.add(layers.sectors(&colours)),
@@ -105,7 +110,11 @@ mod tests {
         let pvs = sweep(&graph, &Progress::default());
         let source = CellId(0);
         let lines = sightlines::sample(&graph, &pvs, source, 5);
-        let view = View { source, pvs: &pvs, lines };
+        let view = View {
+            source,
+            pvs: &pvs,
+            lines,
+        };
         let seen = draw(&level, &graph, Some(&view), 400).to_string();
         for svg in [plain, seen] {
             crate::report::picture::png(&svg, 300).unwrap();
@@ -114,7 +123,12 @@ mod tests {
 
     #[test]
     fn a_level_without_cells_gives_a_picture() {
-        let level = read(b"[[wall]]\npoints = [[0, 0], [1, 0]]".into(), "w.toml", None).unwrap();
+        let level = read(
+            b"[[wall]]\npoints = [[0, 0], [1, 0]]".into(),
+            "w.toml",
+            None,
+        )
+        .unwrap();
         let graph = subdivide(&level, &Options::default());
         assert!(graph.cells.is_empty());
         let svg = draw(&level, &graph, None, 400).to_string();

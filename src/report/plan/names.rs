@@ -50,7 +50,11 @@ pub fn of_rooms(level: &Level, graph: &CellGraph, sheet: &Sheet, colours: &[&str
 }
 
 fn corners(graph: &CellGraph, sheet: &Sheet, cell: CellId) -> Vec<DVec2> {
-    graph.polygon(cell).into_iter().map(|v| sheet.vertex(graph, v)).collect()
+    graph
+        .polygon(cell)
+        .into_iter()
+        .map(|v| sheet.vertex(graph, v))
+        .collect()
 }
 
 /// A name in its place.
@@ -63,11 +67,18 @@ struct Placed {
 
 impl Placed {
     fn frame(&self) -> Frame {
-        let width = self.rows.iter().map(|r| text_width(r, self.size)).fold(0.0, f64::max);
+        let width = self
+            .rows
+            .iter()
+            .map(|r| text_width(r, self.size))
+            .fold(0.0, f64::max);
         let height = self.size * (1.15 * self.rows.len() as f64 - 0.3);
         let half = DVec2::new(width / 2.0, height / 2.0) + self.size * AIR;
         let half = if self.upright { half.yx() } else { half };
-        Frame { low: self.at - half, high: self.at + half }
+        Frame {
+            low: self.at - half,
+            high: self.at + half,
+        }
     }
 
     fn draw(&self, mut group: Group, ground: &str) -> Group {
@@ -99,7 +110,11 @@ fn place(
     taken: &[Frame],
 ) -> Option<Placed> {
     let area: f64 = cells.iter().map(|c| polygon_area(c)).sum();
-    let middle = cells.iter().map(|c| centroid(c) * polygon_area(c)).sum::<DVec2>() / area;
+    let middle = cells
+        .iter()
+        .map(|c| centroid(c) * polygon_area(c))
+        .sum::<DVec2>()
+        / area;
     if !middle.is_finite() {
         return None;
     }
@@ -115,14 +130,22 @@ fn place(
     }
     spots.push(middle);
     spots.retain(|&p| cells.iter().any(|c| holds(c, p)));
-    spots.sort_by(|a, b| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)));
+    spots.sort_by(|a, b| {
+        a.distance_squared(middle)
+            .total_cmp(&b.distance_squared(middle))
+    });
     // Only lines near the room matter.
     let around = Frame { low, high };
     let lines: Vec<_> = lines.iter().filter(|l| meets(l, &around)).collect();
     for upright in [false, true] {
         for (size, rows) in SIZES.iter().flat_map(|&s| rows(name).map(move |r| (s, r))) {
             for &at in &spots {
-                let placed = Placed { rows: rows.clone(), size, upright, at };
+                let placed = Placed {
+                    rows: rows.clone(),
+                    size,
+                    upright,
+                    at,
+                };
                 let frame = placed.frame();
                 let free = !lines.iter().any(|l| meets(l, &frame))
                     && !taken.iter().any(|t| overlap(t, &frame));
@@ -140,7 +163,9 @@ fn rows(name: &str) -> impl Iterator<Item = Vec<String>> {
     let middle = name.len() as f64 / 2.0;
     let spaces = name.match_indices(' ').map(|(i, _)| i);
     let space = spaces.min_by(|&i, &j| {
-        (i as f64 - middle).abs().total_cmp(&(j as f64 - middle).abs())
+        (i as f64 - middle)
+            .abs()
+            .total_cmp(&(j as f64 - middle).abs())
     });
     let two = space.map(|i| vec![name[..i].to_string(), name[i + 1..].to_string()]);
     [Some(vec![name.to_string()]), two].into_iter().flatten()
@@ -148,7 +173,9 @@ fn rows(name: &str) -> impl Iterator<Item = Vec<String>> {
 
 fn polygon_area(points: &[DVec2]) -> f64 {
     let n = points.len();
-    let cross = (0..n).map(|i| points[i].perp_dot(points[(i + 1) % n])).sum::<f64>();
+    let cross = (0..n)
+        .map(|i| points[i].perp_dot(points[(i + 1) % n]))
+        .sum::<f64>();
     cross.abs() / 2.0
 }
 
@@ -181,7 +208,12 @@ fn meets([p, q]: &[DVec2; 2], frame: &Frame) -> bool {
     }
     // The extents overlap; apart only if all corners lie on one side of the segment's line.
     let Frame { low, high } = *frame;
-    let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    let corners = [
+        low,
+        DVec2::new(high.x, low.y),
+        high,
+        DVec2::new(low.x, high.y),
+    ];
     let sides = corners.map(|c| (*q - *p).perp_dot(c - *p));
     !(sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0))
 }
@@ -192,10 +224,12 @@ mod tests {
 
     #[test]
     fn segments_and_rectangles() {
-        let frame = Frame { low: DVec2::ZERO, high: DVec2::new(4.0, 2.0) };
-        let meets = |a: [f64; 4]| {
-            super::meets(&[DVec2::new(a[0], a[1]), DVec2::new(a[2], a[3])], &frame)
+        let frame = Frame {
+            low: DVec2::ZERO,
+            high: DVec2::new(4.0, 2.0),
         };
+        let meets =
+            |a: [f64; 4]| super::meets(&[DVec2::new(a[0], a[1]), DVec2::new(a[2], a[3])], &frame);
         assert!(meets([-1.0, 1.0, 5.0, 1.0]));
         assert!(meets([1.0, 1.0, 2.0, 1.0]));
         assert!(!meets([-1.0, 0.5, 0.5, 3.0]));

@@ -54,8 +54,13 @@ pub fn by_sector(graph: &CellGraph, n_sectors: usize) -> Vec<&'static str> {
     let mut chosen: Vec<Option<usize>> = vec![None; n_sectors];
     for sector in 0..n_sectors {
         let mut beside = [0usize; GROUND.len()];
-        neighbours[sector].iter().filter_map(|&n| chosen[n]).for_each(|c| beside[c] += 1);
-        let best = (0..GROUND.len()).min_by_key(|&c| (beside[c], used[c], c)).unwrap_or(0);
+        neighbours[sector]
+            .iter()
+            .filter_map(|&n| chosen[n])
+            .for_each(|c| beside[c] += 1);
+        let best = (0..GROUND.len())
+            .min_by_key(|&c| (beside[c], used[c], c))
+            .unwrap_or(0);
         // Only sectors with ground count, so that the first colours are not used up on others.
         used[best] += usize::from(!neighbours[sector].is_empty());
         chosen[sector] = Some(best);

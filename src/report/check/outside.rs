@@ -12,7 +12,12 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |code, severity, message: &str, places: Vec<Place>| {
         if !places.is_empty() {
-            findings.push(Finding { code, severity, message: message.to_string(), places });
+            findings.push(Finding {
+                code,
+                severity,
+                message: message.to_string(),
+                places,
+            });
         }
     };
     let holes: BTreeSet<WallId> = graph
@@ -45,7 +50,9 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
         _ => &[],
     };
     let locator = Locator::new(graph);
-    let lost = starts.iter().filter(|&&p| locator.cell_at(graph, p).is_none());
+    let lost = starts
+        .iter()
+        .filter(|&&p| locator.cell_at(graph, p).is_none());
     let point = |&p| {
         let p = level.grid.to_level(p);
         Place::Point { x: p.x, y: p.y }

@@ -23,7 +23,9 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let mut thin_cells = Vec::new();
     for cell in graph.cell_ids() {
         let area = graph.area(cell);
-        let measure = measures.entry(region[cell.0 as usize]).or_insert((0.0, 0.0, cell));
+        let measure = measures
+            .entry(region[cell.0 as usize])
+            .or_insert((0.0, 0.0, cell));
         measure.0 += area;
         let mut around = 0.0;
         for edge in graph.edge_range(cell).map(EdgeId) {
@@ -49,14 +51,23 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |code, severity, message: &str, places: Vec<Place>| {
         if !places.is_empty() {
-            findings.push(Finding { code, severity, message: message.to_string(), places });
+            findings.push(Finding {
+                code,
+                severity,
+                message: message.to_string(),
+                places,
+            });
         }
     };
     // Doom maps have strips of a unit's width on purpose.
     let by_sides = level.interior == Interior::Sides;
     add(
         "sliver",
-        if by_sides { Severity::Note } else { Severity::Warning },
+        if by_sides {
+            Severity::Note
+        } else {
+            Severity::Warning
+        },
         "This ground is thinner than a ten-thousandth of the level; two walls or edges that were \
          meant to coincide may lie side by side.",
         thin.iter().map(|&cell| middle(graph, cell)).collect(),
@@ -81,7 +92,9 @@ fn regions(graph: &CellGraph) -> Vec<u32> {
                 continue;
             }
             region[cell.0 as usize] = first.0;
-            let twins = graph.edge_range(cell).filter_map(|e| graph.edge(EdgeId(e)).twin());
+            let twins = graph
+                .edge_range(cell)
+                .filter_map(|e| graph.edge(EdgeId(e)).twin());
             let beyond = twins.map(|t| graph.edge(t).cell);
             queue.extend(beyond.filter(|&c| sector(c) == sector(first)));
         }

@@ -64,8 +64,16 @@ pub fn find(level: &Level) -> Vec<Finding> {
         places,
     };
     let found = [
-        near("near-coincident-ends", "Ends of these walls miss another end", near_ends),
-        near("near-miss", "Ends of these walls miss another wall", near_walls),
+        near(
+            "near-coincident-ends",
+            "Ends of these walls miss another end",
+            near_ends,
+        ),
+        near(
+            "near-miss",
+            "Ends of these walls miss another wall",
+            near_walls,
+        ),
     ];
     found.into_iter().filter(|f| !f.places.is_empty()).collect()
 }

@@ -1,9 +1,7 @@
 //! Rooms that nobody can walk to.
 
 use crate::cells::{CellGraph, CellId};
-use crate::level::{
-    Finding, Interior, Level, OpeningStyle, Place, SectorId, Severity, WallKind,
-};
+use crate::level::{Finding, Interior, Level, OpeningStyle, Place, SectorId, Severity, WallKind};
 
 /// How many names a message lists.
 const NAMES: usize = 6;
@@ -12,7 +10,10 @@ const NAMES: usize = 6;
 /// not count: a ledge is reached like a step.
 pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let part = parts(graph, |edge| {
-        let wall = graph.edge(edge).wall().map(|w| &level.walls[w.0 as usize].kind);
+        let wall = graph
+            .edge(edge)
+            .wall()
+            .map(|w| &level.walls[w.0 as usize].kind);
         !matches!(wall, Some(WallKind::Opening(o)) if o.style == OpeningStyle::Window)
     });
     let mut area = vec![0.0; graph.cells.len()];
@@ -24,7 +25,9 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
         return Vec::new();
     };
     let sectors_of = |wanted: &dyn Fn(usize) -> bool| {
-        let cells = graph.cell_ids().filter(|c| wanted(part[c.0 as usize] as usize));
+        let cells = graph
+            .cell_ids()
+            .filter(|c| wanted(part[c.0 as usize] as usize));
         let mut sectors: Vec<SectorId> = cells.filter_map(|c| graph.cell(c).sector).collect();
         sectors.sort();
         sectors.dedup();
@@ -34,18 +37,27 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let mut places = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     for p in (0..area.len()).filter(|&p| p != main && area[p] > 0.0) {
-        let sectors: Vec<SectorId> =
-            sectors_of(&|q| q == p).into_iter().filter(|s| !reached.contains(s)).collect();
+        let sectors: Vec<SectorId> = sectors_of(&|q| q == p)
+            .into_iter()
+            .filter(|s| !reached.contains(s))
+            .collect();
         let named = |s: &SectorId| level.sectors.get(s.0 as usize)?.name.as_deref();
         let own: Vec<&str> = sectors.iter().filter_map(named).collect();
         if own.is_empty() {
             // Unnamed sectors, or a cut-off piece of a reached one: one place for the whole part.
-            places.push(match sectors.first().and_then(|s| level.sectors.get(s.0 as usize)) {
-                Some(sector) => sector.place,
-                None => middle(graph, largest(graph, &part, p)),
-            });
+            places.push(
+                match sectors
+                    .first()
+                    .and_then(|s| level.sectors.get(s.0 as usize))
+                {
+                    Some(sector) => sector.place,
+                    None => middle(graph, largest(graph, &part, p)),
+                },
+            );
         } else {
-            let rooms = sectors.iter().filter_map(|s| level.sectors.get(s.0 as usize));
+            let rooms = sectors
+                .iter()
+                .filter_map(|s| level.sectors.get(s.0 as usize));
             places.extend(rooms.map(|s| s.place));
             names.extend(own);
         }
@@ -55,8 +67,11 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     }
     // Maps with numbered sectors have such parts on purpose: closets and other rooms that one is
     // carried to.
-    let severity =
-        if level.interior == Interior::Sides { Severity::Note } else { Severity::Warning };
+    let severity = if level.interior == Interior::Sides {
+        Severity::Note
+    } else {
+        Severity::Warning
+    };
     let listed = match names.len() {
         0 => String::new(),
         n if n > NAMES => format!(" ({} and {} more)", names[..NAMES].join(", "), n - NAMES),
@@ -66,7 +81,12 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
         "No door, archway or open border joins these parts with the largest part of the \
          level{listed}."
     );
-    vec![Finding { code: "unreachable", severity, message, places }]
+    vec![Finding {
+        code: "unreachable",
+        severity,
+        message,
+        places,
+    }]
 }
 
 /// For each cell the smallest cell that it is joined with, through portals of which `open` holds.
@@ -90,8 +110,12 @@ fn parts(graph: &CellGraph, open: impl Fn(crate::cells::EdgeId) -> bool) -> Vec<
 }
 
 fn largest(graph: &CellGraph, part: &[u32], wanted: usize) -> CellId {
-    let cells = graph.cell_ids().filter(|c| part[c.0 as usize] as usize == wanted);
-    cells.max_by(|&a, &b| graph.area(a).total_cmp(&graph.area(b))).unwrap_or(CellId(wanted as u32))
+    let cells = graph
+        .cell_ids()
+        .filter(|c| part[c.0 as usize] as usize == wanted);
+    cells
+        .max_by(|&a, &b| graph.area(a).total_cmp(&graph.area(b)))
+        .unwrap_or(CellId(wanted as u32))
 }
 
 /// A point inside a cell.
@@ -102,5 +126,8 @@ pub fn middle(graph: &CellGraph, cell: CellId) -> Place {
     let p = graph.grid.offset_to_level(p.x, p.y);
     // Three digits find a place; seventeen only look exact.
     let short = |x: f64| (x * 1000.0).round() / 1000.0;
-    Place::Point { x: short(p.x), y: short(p.y) }
+    Place::Point {
+        x: short(p.x),
+        y: short(p.y),
+    }
 }

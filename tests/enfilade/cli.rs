@@ -1,0 +1,513 @@
+//! The program as people and scripts meet it: exit status, messages, and files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::readers::{sample, two_squares};
+
+fn enfilade(arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("enfilade").expect("the program is built");
+    let output = command
+        .args(arguments)
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(!errors.contains("panicked"), "{arguments:?}: {errors}");
+    output
+}
+
+fn level(path: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    root.join("levels")
+        .join(path)
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// A folder with a file of that content.
+fn file(name: &str, content: &[u8]) -> (TempDir, String) {
+    let folder = TempDir::new().expect("there is room");
+    let path: PathBuf = folder.path().join(name);
+    fs::write(&path, content).expect("there is room");
+    let path = path.to_string_lossy().into_owned();
+    (folder, path)
+}
+
+/// The program must refuse, with status 2, nothing on standard output, and one line on standard
+/// error that holds all of `parts`.
+fn refused(arguments: &[&str], parts: &[&str]) {
+    let output = enfilade(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {errors}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed results");
+    assert!(
+        errors.trim_end().lines().count() <= 8,
+        "{arguments:?}: a long message:\n{errors}"
+    );
+    for part in parts {
+        assert!(
+            errors.contains(part),
+            "{arguments:?}: `{part}` is not in: {errors}"
+        );
+    }
+}
+
+/// Refuses a TOML level, by `build` and by `check`.
+fn refused_toml(text: &str, parts: &[&str]) {
+    let (_folder, path) = file("wrong.toml", text.as_bytes());
+    refused(&["build", &path], parts);
+    let (_folder, path) = file("wrong.toml", text.as_bytes());
+    assert_eq!(
+        enfilade(&["check", &path]).status.code(),
+        Some(2),
+        "check of {text}"
+    );
+}
+
+#[test]
+fn mistakes_in_toml_are_named_with_line_and_column() {
+    refused_toml(
+        "[[room]]\nname = \"A\"\nrect = [0, 0, 4\n",
+        &["wrong.toml", "line "],
+    );
+    refused_toml(
+        "[[room]]\nname = \"A\"\nrct = [0, 0, 4, 4]\n",
+        &["line 3, column 1", "rct", "rect"],
+    );
+    refused_toml(
+        "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\nmaterials = { walls = \"gold\" }\n",
+        &["line 4, column 23", "gold"],
+    );
+    refused_toml(
+        "[[room]]\nname = \"A\"\noutline = [[0, 0], [4, 4], [4, 0], [0, 4]]\n",
+        &["line 3, column", "crosses", "room `A`"],
+    );
+    refused_toml("", &["wrong.toml"]);
+}
+
+#[test]
+fn broken_wads_are_named_with_what_is_wrong() {
+    let whole = two_squares();
+    for cut in [3, 12, 40, whole.len() - 1] {
+        let (_folder, path) = file("cut.wad", &whole[..cut]);
+        refused(&["build", &path], &["cut.wad"]);
+    }
+    let mut bytes = whole.clone();
+    let directory = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]) as usize;
+    // The second lump's offset.
+    bytes[directory + 16..directory + 20].copy_from_slice(&0x7fff_ff00u32.to_le_bytes());
+    let (_folder, path) = file("offsets.wad", &bytes);
+    refused(&["build", &path], &["offsets.wad", "THINGS"]);
+    let (_folder, path) = file("good.wad", &whole);
+    refused(&["build", &path, "--map", "E9M9"], &["E9M9", "E1M1"]);
+    assert_eq!(
+        enfilade(&["build", &path, "--quiet"]).status.code(),
+        Some(0)
+    );
+}
+
+#[test]
+fn a_wad_with_several_maps_asks_for_one() {
+    let two: Vec<u8> = {
+        // The same lumps twice, under two names: the directory is doubled.
+        let whole = two_squares();
+        let directory = u32::from_le_bytes([whole[8], whole[9], whole[10], whole[11]]) as usize;
+        let mut bytes = whole.clone();
+        let mut entries = whole[directory..].to_vec();
+        let first = entries.len() - entries.len() + 8;
+        entries[first..first + 4].copy_from_slice(b"E1M2");
+        bytes.extend(&entries);
+        let n = ((bytes.len() - directory) / 16) as u32;
+        bytes[4..8].copy_from_slice(&n.to_le_bytes());
+        bytes
+    };
+    let (_folder, path) = file("two.wad", &two);
+    refused(&["build", &path], &["E1M1", "E1M2", "--map"]);
+    assert_eq!(
+        enfilade(&["build", &path, "--map", "E1M2", "-q"])
+            .status
+            .code(),
+        Some(0)
+    );
+    // Names are not case-sensitive to people.
+    assert_eq!(
+        enfilade(&["build", &path, "--map", "e1m2", "-q"])
+            .status
+            .code(),
+        Some(0)
+    );
+}
+
+#[test]
+fn files_that_are_not_there_or_cannot_be_read() {
+    refused(&["build", "/no/such/level.toml"], &["/no/such/level.toml"]);
+    let folder = TempDir::new().expect("there is room");
+    let path = folder.path().to_string_lossy().into_owned();
+    refused(&["build", &path], &[&path]);
+    let (_folder, path) = file("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\0");
+    refused(&["build", &path], &["picture.png"]);
+    refused(&["build"], &["LEVEL"]);
+    refused(
+        &["build", &level("tiny.toml"), "--method", "guess"],
+        &["guess", "sweep", "search"],
+    );
+    refused(
+        &["build", &level("tiny.toml"), "--threads", "0"],
+        &["--threads"],
+    );
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_said_and_old_outputs_stay() {
+    let tiny = level("tiny.toml");
+    refused(
+        &["build", &tiny, "--quiet", "--json", "/dev/full"],
+        &["/dev/full", "space"],
+    );
+    refused(
+        &["build", &tiny, "--json", "/no/such/folder/a.json"],
+        &["/no/such/folder/a.json"],
+    );
+    // A level that is refused leaves an old output as it was.
+    let (folder, output) = file("old.json", b"old");
+    let wrong = folder.path().join("wrong.toml");
+    fs::write(&wrong, "[[room]]\nname = 3\n").expect("there is room");
+    refused(
+        &["build", &wrong.to_string_lossy(), "--json", &output],
+        &["line 2, column 8"],
+    );
+    assert_eq!(fs::read(&output).expect("it is still there"), b"old");
+    // So does a search that gives up: the answer is no.
+    let gave_up = [
+        "build",
+        &tiny,
+        "--method",
+        "search",
+        "--max-steps",
+        "1",
+        "--json",
+        &output,
+    ];
+    assert_eq!(enfilade(&gave_up).status.code(), Some(1));
+    assert_eq!(fs::read(&output).expect("it is still there"), b"old");
+    // And nothing lies about beside it.
+    assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 2);
+}
+
+#[test]
+fn quiet_says_nothing_and_a_dash_is_standard_output() {
+    let tiny = level("tiny.toml");
+    let output = enfilade(&["build", &tiny, "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let output = enfilade(&["build", &tiny]);
+    let table = String::from_utf8(output.stdout).expect("text");
+    assert!(table.contains("2 cells, 1 portal"), "{table}");
+    let output = enfilade(&["build", &tiny, "--json", "-"]);
+    let value: Value = serde_json::from_slice(&output.stdout).expect("nothing but JSON");
+    assert_eq!(value["format"], "enfilade.pvs");
+}
+
+/// Keys of an object, sorted.
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<&str> = value
+        .as_object()
+        .expect("an object")
+        .keys()
+        .map(|k| &k[..])
+        .collect();
+    keys.sort();
+    keys
+}
+
+fn holds(value: &Value, expected: &[&str]) {
+    let keys = keys(value);
+    for key in expected {
+        assert!(keys.contains(key), "no `{key}` among {keys:?}");
+    }
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let mut all = vec!["build"];
+    all.extend(arguments);
+    all.extend(["--json", "-", "--quiet"]);
+    let output = enfilade(&all);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).expect("nothing but JSON")
+}
+
+#[test]
+fn the_json_of_two_rooms_key_by_key() {
+    let value = json(&[&level("tiny.toml")]);
+    let top = [
+        "format",
+        "version",
+        "level",
+        "subdivision",
+        "visibility",
+        "seconds",
+        "cells",
+        "portals",
+        "visible",
+    ];
+    holds(&value, &top);
+    assert_eq!(
+        (&value["format"], &value["version"]),
+        (&"enfilade.pvs".into(), &1.into())
+    );
+    holds(
+        &value["level"],
+        &[
+            "name", "source", "unit", "vertices", "walls", "sectors", "snap",
+        ],
+    );
+    assert_eq!(value["level"]["name"], "Two rooms");
+    assert_eq!(value["level"]["source"], "tiny.toml");
+    assert_eq!(value["level"]["unit"], "m");
+    assert_eq!(value["level"]["sectors"], 2);
+    assert_eq!(value["level"]["snap"], 0.0);
+    assert_eq!(value["subdivision"], "bsp");
+    let visibility = &value["visibility"];
+    holds(
+        visibility,
+        &[
+            "method",
+            "class",
+            "heights",
+            "doors",
+            "pairs",
+            "density",
+            "undecided",
+        ],
+    );
+    assert_eq!(
+        (&visibility["method"], &visibility["class"]),
+        (&"sweep".into(), &"exact".into())
+    );
+    assert_eq!(
+        (&visibility["heights"], &visibility["doors"]),
+        (&false.into(), &"open".into())
+    );
+    assert_eq!(
+        (&visibility["pairs"], &visibility["undecided"]),
+        (&4.into(), &0.into())
+    );
+    assert_eq!(visibility["density"], 1.0);
+    holds(
+        &value["seconds"],
+        &["read", "subdivide", "visibility", "write"],
+    );
+    // Two rooms, one cell each: 6 × 4 and 4 × 4, joined by a door 0.9 wide and 2.1 high.
+    let cells = value["cells"].as_array().expect("a list");
+    assert_eq!(cells.len(), 2);
+    let mut areas: Vec<f64> = cells.iter().map(area).collect();
+    areas.sort_by(f64::total_cmp);
+    assert_eq!(areas, [16.0, 24.0]);
+    for cell in cells {
+        holds(cell, &["sector", "floor", "ceiling", "polygon"]);
+        assert_eq!(
+            (&cell["floor"], &cell["ceiling"]),
+            (&0.0.into(), &2.6.into())
+        );
+    }
+    let portals = value["portals"].as_array().expect("a list");
+    assert_eq!(portals.len(), 1);
+    holds(&portals[0], &["cells", "segment", "bottom", "top"]);
+    assert_eq!(portals[0]["cells"], Value::from(vec![0, 1]));
+    assert_eq!(
+        (&portals[0]["bottom"], &portals[0]["top"]),
+        (&0.0.into(), &2.1.into())
+    );
+    let mut ends: Vec<(f64, f64)> = portals[0]["segment"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(xy)
+        .collect();
+    ends.sort_by(|a, b| a.1.total_cmp(&b.1));
+    assert_eq!(ends, [(6.0, 1.55), (6.0, 2.45)]);
+    assert_eq!(value["visible"], serde_json::json!([[0, 1], [0, 1]]));
+}
+
+#[test]
+fn a_closed_door_is_a_wall_in_the_json() {
+    let value = json(&[&level("tiny.toml"), "--doors", "closed"]);
+    assert_eq!(value["visibility"]["doors"], "closed");
+    assert_eq!(value["portals"], serde_json::json!([]));
+    assert_eq!(value["visible"], serde_json::json!([[0], [1]]));
+    assert_eq!(value["visibility"]["density"], 0.5);
+}
+
+fn xy(point: &Value) -> (f64, f64) {
+    (
+        point[0].as_f64().expect("a number"),
+        point[1].as_f64().expect("a number"),
+    )
+}
+
+/// Area of a cell's polygon; positive when counterclockwise.
+fn area(cell: &Value) -> f64 {
+    let points: Vec<(f64, f64)> = cell["polygon"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(xy)
+        .collect();
+    let n = points.len();
+    let twice = |i: usize| {
+        let (p, q) = (points[i], points[(i + 1) % n]);
+        p.0 * q.1 - p.1 * q.0
+    };
+    (0..n).map(twice).sum::<f64>() / 2.0
+}
+
+/// What contract and JSON promise of any level.
+#[test]
+fn the_json_of_larger_levels_holds_together() {
+    for name in [
+        "house.toml",
+        "museum.toml",
+        "hard/crossing-in-three-points.toml",
+    ] {
+        for subdivision in ["bsp", "kd", "cdt"] {
+            let value = json(&[&level(name), "--subdivision", subdivision, "--threads", "2"]);
+            assert_eq!(value["subdivision"], subdivision);
+            let cells = value["cells"].as_array().expect("a list");
+            let visible: Vec<Vec<usize>> =
+                serde_json::from_value(value["visible"].clone()).expect("lists of numbers");
+            assert_eq!(visible.len(), cells.len());
+            for cell in cells {
+                assert!(area(cell) > 0.0, "{name}: not counterclockwise: {cell}");
+            }
+            for (i, row) in visible.iter().enumerate() {
+                assert!(
+                    row.is_sorted_by(|a, b| a < b),
+                    "{name}: row {i} does not ascend"
+                );
+                assert!(row.contains(&i), "{name}: cell {i} does not see itself");
+                assert!(
+                    row.iter().all(|&j| visible[j].contains(&i)),
+                    "{name}: not symmetric"
+                );
+            }
+            let pairs: usize = visible.iter().map(Vec::len).sum();
+            assert_eq!(value["visibility"]["pairs"], pairs);
+            let density = pairs as f64 / (cells.len() as f64).powi(2);
+            assert_eq!(value["visibility"]["density"], density);
+            for portal in value["portals"].as_array().expect("a list") {
+                let [a, b]: [usize; 2] =
+                    serde_json::from_value(portal["cells"].clone()).expect("two cells");
+                assert!(
+                    visible[a].contains(&b),
+                    "{name}: {a} and {b} share a portal"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_and_method_change_nothing_in_the_json() {
+    let path = level("cathedral.toml");
+    let [first, second] = [
+        ["--threads", "1", "--method", "sweep"],
+        ["--threads", "2", "--method", "search"],
+    ]
+    .map(|options| {
+        let mut arguments = vec![&path[..]];
+        arguments.extend(options);
+        json(&arguments)
+    });
+    for key in ["level", "cells", "portals", "visible"] {
+        assert_eq!(first[key], second[key], "{key}");
+    }
+}
+
+#[test]
+fn what_samples_say_is_utf8_text() {
+    let text = sample("tiny.toml");
+    let (_folder, path) = file("with mark.toml", format!("\u{feff}{text}").as_bytes());
+    assert_eq!(enfilade(&["build", &path, "-q"]).status.code(), Some(0));
+    let (_folder, path) = file("latin1.toml", b"name = \"Caf\xe9\"\n");
+    refused(&["build", &path], &["latin1.toml"]);
+}
+
+#[test]
+fn the_pvs_file_says_what_the_json_says() {
+    let (_folder, pvs) = file("house.pvs", b"old");
+    let value = {
+        let output = enfilade(&[
+            "build",
+            &level("house.toml"),
+            "-q",
+            "-o",
+            &pvs,
+            "--json",
+            "-",
+        ]);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        serde_json::from_slice::<Value>(&output.stdout).expect("nothing but JSON")
+    };
+    let bytes = fs::read(&pvs).expect("it was written");
+    let back = enfilade::pvs::file::decode(&bytes).expect("what was written is read");
+    let rows: Vec<Vec<u32>> = back
+        .graph
+        .cell_ids()
+        .map(|c| back.pvs.seen_from(c).map(|d| d.0).collect())
+        .collect();
+    assert_eq!(
+        value["visible"],
+        serde_json::to_value(rows).expect("numbers")
+    );
+    // The same command gives the same bytes, on any number of threads.
+    let (_other_folder, other) = file("other.pvs", b"");
+    let again = enfilade(&[
+        "build",
+        &level("house.toml"),
+        "-q",
+        "-o",
+        &other,
+        "--threads",
+        "1",
+    ]);
+    assert_eq!(again.status.code(), Some(0));
+    assert_eq!(fs::read(&other).expect("it was written"), bytes);
+}
+
+#[test]
+fn a_reject_table_for_two_squares_that_see_each_other() {
+    let whole = two_squares();
+    let (folder, path) = file("two.wad", &whole);
+    let out = folder.path().join("out.wad").to_string_lossy().into_owned();
+    let output = enfilade(&["export", "reject", &path, "-o", &out, "-q"]);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let wad = enfilade::level::wad::Wad::parse(fs::read(&out).expect("written")).expect("a WAD");
+    // Two sectors, two by two bits, none of them set.
+    assert_eq!(wad.lump_named("REJECT"), Some(&[0u8][..]));
+    assert_eq!(fs::read(&path).expect("the source stays"), whole);
+    refused(
+        &["export", "reject", &level("tiny.toml"), "-o", &out],
+        &["tiny.toml"],
+    );
+}
