@@ -12,6 +12,7 @@ mod output;
 mod plan;
 mod progress;
 mod summary;
+mod verify;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ enum Command {
     Build(build::BuildArgs),
     Check(check::CheckArgs),
     Export(export::ExportArgs),
+    Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
 }
 
@@ -50,6 +52,7 @@ pub fn main() -> ExitCode {
         Command::Build(args) => build::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
     };
     match result {

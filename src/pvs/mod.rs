@@ -12,6 +12,7 @@ mod flat;
 pub mod search;
 pub mod sectors;
 pub mod sweep;
+pub mod verify;
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

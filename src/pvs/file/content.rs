@@ -108,7 +108,8 @@ fn write_info(info: &LevelInfo, graph: &CellGraph, pvs: &Pvs) -> Vec<u8> {
     ];
     for name in names {
         // A name of more than 64 KiB is cut, at a character.
-        let name = &name[..name.floor_char_boundary(1 << 16)];
+        let end = (0..=name.len().min(1 << 16)).rfind(|&i| name.is_char_boundary(i));
+        let name = &name[..end.unwrap_or(0)];
         out.extend((name.len() as u32).to_le_bytes());
         out.extend(name.as_bytes());
     }

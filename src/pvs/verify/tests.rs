@@ -1,0 +1,253 @@
+use std::path::Path;
+
+use super::*;
+use crate::cells::{Doors, Options, Subdivision, subdivide};
+use crate::level::{doom, snap, toml, wad};
+use crate::pvs::file::{decode, encode};
+use crate::pvs::{BitMatrix, Progress, sweep};
+
+const FEW: VerifyOptions = VerifyOptions {
+    segments: 20_000,
+    points: 5_000,
+    seed: 3,
+};
+
+const TWO_ROOMS: &str = r#"
+    [[room]]
+    name = "A"
+    rect = [0, 0, 4, 4]
+    [[room]]
+    name = "B"
+    rect = [4, 0, 8, 4]
+    [[door]]
+    between = ["A", "B"]
+    width = 0.5
+"#;
+
+fn read(text: &str) -> Level {
+    toml::read(text, "rooms.toml").unwrap()
+}
+
+fn built(level: &Level, options: Options) -> PvsFile {
+    let graph = subdivide(level, &options);
+    let pvs = sweep::sweep(&graph, &Progress::default());
+    decode(&encode(&LevelInfo::of(level), &graph, &pvs)).unwrap()
+}
+
+/// What `verify` says about cells made from one level that claim to be another's.
+fn claim(cells_of: &str, claimed: &str) -> Result<Verified, Failure> {
+    let (made, claimed) = (read(cells_of), read(claimed));
+    let mut file = built(&made, Options::default());
+    file.info = LevelInfo::of(&claimed);
+    file.graph.grid = claimed.grid;
+    verify(&file, &claimed, &FEW)
+}
+
+#[test]
+fn every_sample_level_is_right() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if !name.ends_with(".toml") {
+            continue;
+        }
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("levels")
+            .join(&name);
+        let level = toml::read(&std::fs::read_to_string(path).unwrap(), &name).unwrap();
+        for subdivision in Subdivision::ALL {
+            for doors in [Doors::Open, Doors::Closed] {
+                let file = built(
+                    &level,
+                    Options {
+                        subdivision,
+                        doors,
+                        ..Options::default()
+                    },
+                );
+                match verify(&file, &level, &FEW) {
+                    Ok(done) => assert!(done.free > 1000 && done.inside > 500, "{name}: {done}"),
+                    Err(failure) => panic!("{name}: {}", failure.describe(&file, &level)),
+                }
+            }
+        }
+    }
+}
+
+/// Needs the Debian package `freedoom`; does nothing without it.
+#[test]
+fn doom_maps_are_right() {
+    let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else {
+        return;
+    };
+    let wad = wad::Wad::parse(bytes).unwrap();
+    for map in ["E1M1", "E2M3", "E4M6"] {
+        let level = snap::snap(doom::read_map(&wad, map, "freedoom1.wad").unwrap()).unwrap();
+        for subdivision in Subdivision::ALL {
+            let file = built(
+                &level,
+                Options {
+                    subdivision,
+                    ..Options::default()
+                },
+            );
+            if let Err(failure) = verify(&file, &level, &FEW) {
+                panic!("{map}: {}", failure.describe(&file, &level));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_missing_pair_is_found() {
+    let level = read(TWO_ROOMS);
+    for subdivision in Subdivision::ALL {
+        let right = built(
+            &level,
+            Options {
+                subdivision,
+                ..Options::default()
+            },
+        );
+        let ids: Vec<CellId> = right.graph.cell_ids().collect();
+        for &a in &ids {
+            for &b in ids.iter().filter(|&&b| a < b && right.pvs.sees(a, b)) {
+                let mut file = right.clone();
+                file.pvs.visible = BitMatrix::new(ids.len());
+                for &c in &ids {
+                    for d in right
+                        .pvs
+                        .seen_from(c)
+                        .filter(|&d| (c, d) != (a, b) && (d, c) != (a, b))
+                    {
+                        file.pvs.visible.set(c.0 as usize, d.0 as usize);
+                    }
+                }
+                let found = verify(&file, &level, &FEW);
+                let expected = |f| {
+                    matches!(f, Failure::Missed { a: x, b: y, .. }
+                    if (x, y) == (a, b) || (y, x) == (a, b))
+                };
+                assert!(
+                    found.is_err_and(expected),
+                    "{subdivision:?} {a:?} {b:?}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lopsided_relation_is_found() {
+    let level = read(TWO_ROOMS);
+    let mut file = built(&level, Options::default());
+    let whole = file.pvs.visible.clone();
+    file.pvs.visible = BitMatrix::new(whole.n());
+    assert_eq!(
+        verify(&file, &level, &FEW),
+        Err(Failure::NotReflexive(CellId(0)))
+    );
+    (0..whole.n()).for_each(|i| file.pvs.visible.set(i, i));
+    file.pvs.visible.set(0, 1);
+    assert_eq!(
+        verify(&file, &level, &FEW),
+        Err(Failure::NotSymmetric(CellId(0), CellId(1)))
+    );
+}
+
+#[test]
+fn another_level_is_told_apart() {
+    let file = built(&read(TWO_ROOMS), Options::default());
+    let other = read(&TWO_ROOMS.replace("0.5", "0.6"));
+    let failure = verify(&file, &other, &FEW).unwrap_err();
+    assert_eq!(failure, Failure::OtherLevel);
+    assert!(
+        failure
+            .describe(&file, &other)
+            .contains("not of this level")
+    );
+}
+
+#[test]
+fn cells_of_another_level_are_found_out() {
+    let corners = "[[room]]\nname = \"C\"\nrect = [0, 4, 8, 8]\n";
+    // Outer extents equal, so that the grids are.
+    let with_room = format!("{TWO_ROOMS}{corners}");
+    let with_void = format!("{with_room}[[pillar]]\nrect = [1, 5, 2, 6]\n");
+    assert!(claim(&with_room, &with_room).is_ok());
+    // A pillar stands in the cells.
+    let found = claim(&with_room, &with_void);
+    assert!(
+        matches!(found, Err(Failure::WallInside(..) | Failure::Outside(..))),
+        "{found:?}"
+    );
+    // Ground is left out where no pillar is.
+    let found = claim(&with_void, &with_room);
+    assert!(matches!(found, Err(Failure::NoWall(_))), "{found:?}");
+    // Open where the wall has no door.
+    let shut = with_room.replace("width = 0.5", "width = 0.25");
+    let found = claim(&with_room, &shut);
+    assert!(matches!(found, Err(Failure::WallOnPortal(..))), "{found:?}");
+    // A wall where the door is wider.
+    let found = claim(&shut, &with_room);
+    assert!(
+        matches!(
+            found,
+            Err(Failure::WallInside(..)
+                | Failure::Escape { .. }
+                | Failure::NoWall(_)
+                | Failure::Missed { .. })
+        ),
+        "{found:?}"
+    );
+    // A room that the level does not have.
+    let found = claim(
+        &with_room,
+        &format!("{TWO_ROOMS}[[pillar]]\nrect = [0, 7, 8, 8]\n"),
+    );
+    assert!(found.is_err(), "{found:?}");
+}
+
+#[test]
+fn the_same_seed_says_the_same() {
+    let level = read(TWO_ROOMS);
+    let file = built(&level, Options::default());
+    let once = verify(&file, &level, &FEW).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    assert_eq!(pool.install(|| verify(&file, &level, &FEW)), Ok(once));
+    let other = verify(&file, &level, &VerifyOptions { seed: 4, ..FEW }).unwrap();
+    assert_ne!(other.met, once.met);
+}
+
+mod geometry {
+    use super::super::walls::touch;
+    use crate::geom::GridPoint;
+
+    #[test]
+    fn touching_in_a_point_counts() {
+        let p = GridPoint::new;
+        assert!(touch(p(0, 0), p(4, 4), p(4, 0), p(0, 4)));
+        assert!(touch(p(0, 0), p(4, 4), p(4, 4), p(9, 4)), "end to end");
+        assert!(
+            touch(p(0, 0), p(4, 4), p(2, 2), p(9, 2)),
+            "end in the middle"
+        );
+        assert!(
+            touch(p(0, 0), p(4, 4), p(2, 2), p(9, 9)),
+            "along each other"
+        );
+        assert!(
+            !touch(p(0, 0), p(4, 4), p(5, 5), p(9, 9)),
+            "on one line, apart"
+        );
+        assert!(!touch(p(0, 0), p(4, 4), p(1, 0), p(9, 7)));
+        assert!(
+            touch(p(1, 1), p(1, 1), p(0, 0), p(2, 2)),
+            "a point on a segment"
+        );
+        assert!(!touch(p(1, 2), p(1, 2), p(0, 0), p(2, 2)));
+    }
+}
