@@ -32,6 +32,9 @@ impl Default for BspOptions {
     }
 }
 
+/// So few walls that any line that cuts none of them will do.
+const FEW: usize = 8;
+
 /// The best line among a few of the fragments' own.
 pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOptions) -> LineId {
     if let [only] = fragments {
@@ -49,6 +52,11 @@ pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOp
         let limit = best.map_or(u64::MAX, |b| b.0);
         if let Some(cost) = cost(arrangement, fragments, line, options, limit) {
             best = Some((cost, line));
+            // Among few walls, balance is not worth trying more.
+            let cuts_none = cost < u64::from(options.split_weight);
+            if fragments.len() <= FEW && cuts_none {
+                break;
+            }
         }
     }
     best.expect("there is a first candidate, and no limit for it")

@@ -78,37 +78,8 @@ impl BitMatrix {
 
     /// The matrix together with its transpose and the diagonal. O(n²/64), in parallel.
     pub fn symmetric(self) -> BitMatrix {
-        let (n, stride) = (self.n, self.stride());
-        if n == 0 {
-            return self;
-        }
-        let source = &self.words;
-        let mut words = source.clone();
-        // Blocks of 64 rows, each gathering one column of words of the source.
-        words
-            .par_chunks_mut(64 * stride)
-            .enumerate()
-            .for_each(|(block, rows)| {
-                for other in 0..stride {
-                    let mut square = [0u64; 64];
-                    for (k, word) in square.iter_mut().enumerate() {
-                        let i = other * 64 + k;
-                        if i < n {
-                            *word = source[i * stride + block];
-                        }
-                    }
-                    if square.iter().any(|w| *w != 0) {
-                        transpose(&mut square);
-                        for (row, word) in rows.chunks_mut(stride).zip(square) {
-                            row[other] |= word;
-                        }
-                    }
-                }
-                for (k, row) in rows.chunks_mut(stride).enumerate() {
-                    row[block] |= 1 << k;
-                }
-            });
-        BitMatrix { n, words }
+        let words = self.words.into_iter().map(AtomicU64::new).collect();
+        SharedBits { n: self.n, words }.symmetric()
     }
 
     /// Whether the matrix equals its transpose.
@@ -134,10 +105,9 @@ pub(super) struct SharedBits {
 }
 
 impl SharedBits {
+    /// All zero. The pages are first touched by whoever sets bits in them.
     pub fn new(n: usize) -> Self {
-        let mut words = Vec::new();
-        words.resize_with(n * n.div_ceil(64), AtomicU64::default);
-        Self { n, words }
+        Self { n, words: bytemuck::allocation::zeroed_vec(n * n.div_ceil(64)) }
     }
 
     /// Sets all bits of `set` in row `i`. Most are set already: those cost a load.
@@ -152,9 +122,56 @@ impl SharedBits {
         });
     }
 
-    pub fn into_matrix(self) -> BitMatrix {
+    /// The matrix together with its transpose and the diagonal. O(n²/64), in parallel.
+    pub fn symmetric(self) -> BitMatrix {
+        let stride = self.n.div_ceil(64);
+        // Squares of 64×64 bits across the diagonal from each other are joined by one thread; no
+        // other reads or writes them, so that plain loads and stores suffice.
+        (0..stride).into_par_iter().for_each(|row| {
+            for column in row..stride {
+                let mut upper = self.square(row, column);
+                if row == column {
+                    let mut other = upper;
+                    transpose(&mut other);
+                    for (k, (word, other)) in upper.iter_mut().zip(other).enumerate() {
+                        *word |= other | 1 << k;
+                    }
+                    self.set_square(row, column, &upper);
+                    continue;
+                }
+                let mut lower = self.square(column, row);
+                if upper == [0; 64] && lower == [0; 64] {
+                    continue;
+                }
+                let (mut to_lower, mut to_upper) = (upper, lower);
+                transpose(&mut to_lower);
+                transpose(&mut to_upper);
+                for k in 0..64 {
+                    upper[k] |= to_upper[k];
+                    lower[k] |= to_lower[k];
+                }
+                self.set_square(row, column, &upper);
+                self.set_square(column, row, &lower);
+            }
+        });
         let words = self.words.into_iter().map(AtomicU64::into_inner).collect();
         BitMatrix { n: self.n, words }
+    }
+
+    /// Word `column` of the 64 rows of block `row`; zero past the last row.
+    fn square(&self, row: usize, column: usize) -> [u64; 64] {
+        let stride = self.n.div_ceil(64);
+        std::array::from_fn(|k| {
+            let i = row * 64 + k;
+            if i < self.n { self.words[i * stride + column].load(Relaxed) } else { 0 }
+        })
+    }
+
+    fn set_square(&self, row: usize, column: usize, square: &[u64; 64]) {
+        let stride = self.n.div_ceil(64);
+        for (i, word) in (row * 64..self.n).zip(square) {
+            self.words[i * stride + column].store(*word, Relaxed);
+        }
     }
 }
 
@@ -257,7 +274,7 @@ mod tests {
                 expected.set(i, j);
                 expected.set(j, i);
             }
-            let result = shared.into_matrix().symmetric();
+            let result = shared.symmetric();
             assert_eq!(result, expected, "n = {n}");
             assert!(result.is_symmetric());
             assert_eq!(

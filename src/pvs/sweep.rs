@@ -84,7 +84,7 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
         )
         .sum();
     Pvs {
-        visible: bits.into_matrix().symmetric(),
+        visible: bits.symmetric(),
         method: Method::Sweep,
         class: Class::Exact,
         undecided: 0,
