@@ -6,9 +6,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use glam::DVec2;
 
-use super::Answer;
 use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg};
 use super::output::{self, Output};
+use super::{Answer, progress};
 use crate::cells::{CellGraph, CellId, Locator, subdivide};
 use crate::level::Level;
 use crate::pvs::{Progress, sweep};
@@ -72,7 +72,10 @@ pub fn run(args: &PlanArgs) -> Result<Answer> {
     let svg = match source {
         None => draw(&level, &graph, None, args.width),
         Some(source) => {
-            let pvs = sweep::sweep(&graph, &Progress::default());
+            let counter = Progress::default();
+            let pvs = progress::show("finding what is visible", false, &counter, || {
+                sweep::sweep(&graph, &counter)
+            });
             let lines = sightlines::sample(&graph, &pvs, source, SIGHTLINES);
             let view = View {
                 source,
@@ -84,7 +87,9 @@ pub fn run(args: &PlanArgs) -> Result<Answer> {
     };
     let svg = svg.to_string();
     if as_png {
-        let png = picture::png(&svg, args.width)?;
+        let png = progress::show("drawing", false, &Progress::default(), || {
+            picture::png(&svg, args.width)
+        })?;
         output.write(|out| out.write_all(&png))?;
     } else {
         output.write(|out| writeln!(out, "{svg}"))?;

@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{FormattedDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::pvs::Progress;
 
@@ -35,7 +35,9 @@ fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
     if !running(PATIENCE) {
         return;
     }
-    let bar = ProgressBar::new_spinner().with_message(label.to_string());
+    let bar = ProgressBar::new_spinner()
+        .with_message(label.to_string())
+        .with_elapsed(PATIENCE);
     bar.set_style(style("{spinner} {msg} {elapsed}"));
     let mut known = false;
     loop {
@@ -44,7 +46,7 @@ fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
             known = true;
             bar.set_length(total);
             bar.set_style(style(
-                "{msg} [{bar:30}] {human_pos} of {human_len}, {rate}, {eta} left",
+                "{msg} [{bar:30}] {human_pos} of {human_len}, {rate}, {left} left",
             ));
         }
         bar.set_position(progress.done.load(Relaxed));
@@ -58,8 +60,23 @@ fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
 
 fn style(template: &str) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).expect("the templates are constants");
-    let rate = |state: &ProgressState, out: &mut dyn fmt::Write| {
-        _ = write!(out, "{:.0}/s", state.per_sec());
+    // Over all of the work: the first half second passed before the bar could see any of it.
+    let per_second =
+        |state: &ProgressState| state.pos() as f64 / state.elapsed().as_secs_f64().max(1e-3);
+    let rate = move |state: &ProgressState, out: &mut dyn fmt::Write| {
+        _ = write!(out, "{:.0}/s", per_second(state));
     };
-    style.with_key("rate", rate).progress_chars("=> ")
+    let left = move |state: &ProgressState, out: &mut dyn fmt::Write| {
+        let rest = state.len().unwrap_or(0).saturating_sub(state.pos()) as f64;
+        let seconds = (rest / per_second(state).max(1e-9)).min(1e9);
+        _ = write!(
+            out,
+            "{}",
+            FormattedDuration(Duration::from_secs_f64(seconds.ceil()))
+        );
+    };
+    style
+        .with_key("rate", rate)
+        .with_key("left", left)
+        .progress_chars("=> ")
 }

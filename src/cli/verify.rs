@@ -7,9 +7,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 
 use super::level_args::{LevelArgs, open};
-use super::{Answer, complain, output};
-use crate::pvs::file;
+use super::{Answer, complain, output, progress};
 use crate::pvs::verify::{VerifyOptions, verify};
+use crate::pvs::{Progress, file};
 
 /// Check a .pvs file against its level, with none of the code that made it.
 ///
@@ -50,7 +50,11 @@ pub fn run(args: &VerifyArgs) -> Result<Answer> {
         points: args.points,
         seed: args.seed,
     };
-    match verify(&file, &level, &options) {
+    let counter = Progress::default();
+    let result = progress::show("checking", args.quiet, &counter, || {
+        verify(&file, &level, &options, &counter)
+    });
+    match result {
         Ok(done) => {
             if !args.quiet {
                 output::print(&done.to_string())?;

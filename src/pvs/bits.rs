@@ -107,7 +107,10 @@ pub(super) struct SharedBits {
 impl SharedBits {
     /// All zero. The pages are first touched by whoever sets bits in them.
     pub fn new(n: usize) -> Self {
-        Self { n, words: bytemuck::allocation::zeroed_vec(n * n.div_ceil(64)) }
+        Self {
+            n,
+            words: bytemuck::allocation::zeroed_vec(n * n.div_ceil(64)),
+        }
     }
 
     /// Sets all bits of `set` in row `i`. Most are set already: those cost a load.
@@ -163,7 +166,11 @@ impl SharedBits {
         let stride = self.n.div_ceil(64);
         std::array::from_fn(|k| {
             let i = row * 64 + k;
-            if i < self.n { self.words[i * stride + column].load(Relaxed) } else { 0 }
+            if i < self.n {
+                self.words[i * stride + column].load(Relaxed)
+            } else {
+                0
+            }
         })
     }
 

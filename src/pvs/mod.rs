@@ -192,12 +192,14 @@ pub struct Progress {
 }
 
 impl Progress {
-    fn begin(&self, total: usize) {
+    /// Starts counting to `total`.
+    pub fn begin(&self, total: usize) {
         self.done.store(0, Relaxed);
         self.total.store(total as u64, Relaxed);
     }
 
-    fn advance(&self, by: usize) {
+    /// Counts `by` more as done.
+    pub fn advance(&self, by: usize) {
         self.done.fetch_add(by as u64, Relaxed);
     }
 }

@@ -23,6 +23,7 @@ mod tests;
 
 use std::fmt;
 
+use super::Progress;
 use super::file::{LevelInfo, PvsFile};
 use crate::cells::{CellId, EdgeId};
 use crate::geom::GridPoint;
@@ -127,11 +128,16 @@ pub enum Failure {
     },
 }
 
-/// Checks a file against its level.
+/// Checks a file against its level. `progress` counts points and segments.
 ///
 /// # Errors
 /// The first [`Failure`]; which one that is does not depend on the number of threads.
-pub fn verify(file: &PvsFile, level: &Level, options: &VerifyOptions) -> Result<Verified, Failure> {
+pub fn verify(
+    file: &PvsFile,
+    level: &Level,
+    options: &VerifyOptions,
+    progress: &Progress,
+) -> Result<Verified, Failure> {
     let own = LevelInfo::of(level);
     let same = (own.fingerprint, own.walls, own.sectors)
         == (file.info.fingerprint, file.info.walls, file.info.sectors)
@@ -146,8 +152,10 @@ pub fn verify(file: &PvsFile, level: &Level, options: &VerifyOptions) -> Result<
     done.pairs = relation(file)?;
     let walls = walls::Walls::new(level, file.graph.options.doors);
     let outer = cells::check(file, &walls, &mut done)?;
+    progress.begin((options.points + options.segments) as usize);
     ground::check(file, level, &walls, &outer, options, &mut done)?;
-    sight::check(file, &walls, &outer, options, &mut done)?;
+    progress.advance(options.points as usize);
+    sight::check(file, &walls, &outer, options, progress, &mut done)?;
     Ok(done)
 }
 

@@ -9,6 +9,7 @@ use super::walls::Walls;
 use super::{Failure, Verified, VerifyOptions};
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{GRID_LIMIT, GridPoint, Side, Vertex, VertexId, orient};
+use crate::pvs::Progress;
 use crate::pvs::file::PvsFile;
 
 /// Segments that one chunk of work tries.
@@ -20,6 +21,7 @@ pub(super) fn check(
     walls: &Walls,
     outer: &[bool],
     options: &VerifyOptions,
+    progress: &Progress,
     done: &mut Verified,
 ) -> Result<(), Failure> {
     if file.graph.cells.is_empty() {
@@ -43,6 +45,7 @@ pub(super) fn check(
                     None => counts[1] += 1,
                 }
             }
+            progress.advance(n as usize);
             Ok(counts)
         })
         .collect();

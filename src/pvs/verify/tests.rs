@@ -40,7 +40,7 @@ fn claim(cells_of: &str, claimed: &str) -> Result<Verified, Failure> {
     let mut file = built(&made, Options::default());
     file.info = LevelInfo::of(&claimed);
     file.graph.grid = claimed.grid;
-    verify(&file, &claimed, &FEW)
+    verify(&file, &claimed, &FEW, &Progress::default())
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn every_sample_level_is_right() {
                         ..Options::default()
                     },
                 );
-                match verify(&file, &level, &FEW) {
+                match verify(&file, &level, &FEW, &Progress::default()) {
                     Ok(done) => assert!(done.free > 1000 && done.inside > 500, "{name}: {done}"),
                     Err(failure) => panic!("{name}: {}", failure.describe(&file, &level)),
                 }
@@ -91,7 +91,7 @@ fn doom_maps_are_right() {
                     ..Options::default()
                 },
             );
-            if let Err(failure) = verify(&file, &level, &FEW) {
+            if let Err(failure) = verify(&file, &level, &FEW, &Progress::default()) {
                 panic!("{map}: {}", failure.describe(&file, &level));
             }
         }
@@ -123,7 +123,7 @@ fn a_missing_pair_is_found() {
                         file.pvs.visible.set(c.0 as usize, d.0 as usize);
                     }
                 }
-                let found = verify(&file, &level, &FEW);
+                let found = verify(&file, &level, &FEW, &Progress::default());
                 let expected = |f| {
                     matches!(f, Failure::Missed { a: x, b: y, .. }
                     if (x, y) == (a, b) || (y, x) == (a, b))
@@ -144,13 +144,13 @@ fn a_lopsided_relation_is_found() {
     let whole = file.pvs.visible.clone();
     file.pvs.visible = BitMatrix::new(whole.n());
     assert_eq!(
-        verify(&file, &level, &FEW),
+        verify(&file, &level, &FEW, &Progress::default()),
         Err(Failure::NotReflexive(CellId(0)))
     );
     (0..whole.n()).for_each(|i| file.pvs.visible.set(i, i));
     file.pvs.visible.set(0, 1);
     assert_eq!(
-        verify(&file, &level, &FEW),
+        verify(&file, &level, &FEW, &Progress::default()),
         Err(Failure::NotSymmetric(CellId(0), CellId(1)))
     );
 }
@@ -159,7 +159,7 @@ fn a_lopsided_relation_is_found() {
 fn another_level_is_told_apart() {
     let file = built(&read(TWO_ROOMS), Options::default());
     let other = read(&TWO_ROOMS.replace("0.5", "0.6"));
-    let failure = verify(&file, &other, &FEW).unwrap_err();
+    let failure = verify(&file, &other, &FEW, &Progress::default()).unwrap_err();
     assert_eq!(failure, Failure::OtherLevel);
     assert!(
         failure
@@ -212,13 +212,22 @@ fn cells_of_another_level_are_found_out() {
 fn the_same_seed_says_the_same() {
     let level = read(TWO_ROOMS);
     let file = built(&level, Options::default());
-    let once = verify(&file, &level, &FEW).unwrap();
+    let once = verify(&file, &level, &FEW, &Progress::default()).unwrap();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
         .unwrap();
-    assert_eq!(pool.install(|| verify(&file, &level, &FEW)), Ok(once));
-    let other = verify(&file, &level, &VerifyOptions { seed: 4, ..FEW }).unwrap();
+    assert_eq!(
+        pool.install(|| verify(&file, &level, &FEW, &Progress::default())),
+        Ok(once)
+    );
+    let other = verify(
+        &file,
+        &level,
+        &VerifyOptions { seed: 4, ..FEW },
+        &Progress::default(),
+    )
+    .unwrap();
     assert_ne!(other.met, once.met);
 }
 
