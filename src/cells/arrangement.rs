@@ -7,6 +7,7 @@
 use std::cmp::Ordering;
 
 use rustc_hash::FxHashMap;
+use smallvec::{SmallVec, smallvec};
 
 use super::Doors;
 use super::frame::Frame;
@@ -154,7 +155,8 @@ pub fn arrange(level: &Level, doors: Doors) -> Arrangement {
         .collect();
     let frame = Frame::of(&coded);
     let mut lines = LineSet::default();
-    let mut vertices = VertexSet::default();
+    // Subdividing adds about as many again.
+    let mut vertices = VertexSet::with_capacity(2 * level.walls.len());
     let segments = segments(level, doors, &frame, &mut lines);
     let mut meetings = Vec::new();
     let mut cuts = cut_points(&segments, &lines, &mut vertices, &mut meetings);
@@ -164,7 +166,7 @@ pub fn arrange(level: &Level, doors: Doors) -> Arrangement {
     for (i, s) in segments.iter().enumerate() {
         let line = lines.get(s.line);
         let cuts = &mut cuts[i];
-        cuts.sort_by(|&p, &q| line.cmp_along(vertices.get(p), vertices.get(q)));
+        cuts.sort_unstable_by(|&p, &q| vertices.cmp_along(line, p, q));
         cuts.dedup();
         stretches.extend(cuts.windows(2).map(|w| (w[0], w[1], i as u32)));
     }
@@ -260,16 +262,19 @@ fn segments(level: &Level, doors: Doors, frame: &Frame, lines: &mut LineSet) -> 
         .collect()
 }
 
+/// The points in which a segment is cut, its ends among them.
+type Cuts = SmallVec<[VertexId; 4]>;
+
 /// For every segment, its ends and all points where another one meets it, unordered.
 fn cut_points(
     segments: &[Segment],
     lines: &LineSet,
     vertices: &mut VertexSet,
     meetings: &mut Vec<(WallId, WallId, Meeting)>,
-) -> Vec<Vec<VertexId>> {
-    let mut cuts: Vec<Vec<VertexId>> = segments
+) -> Vec<Cuts> {
+    let mut cuts: Vec<Cuts> = segments
         .iter()
-        .map(|s| vec![vertices.insert(s.from.into()), vertices.insert(s.to.into())])
+        .map(|s| smallvec![vertices.insert(s.from.into()), vertices.insert(s.to.into())])
         .collect();
     // Segments are ordered by their smallest x: those that overlap segment i in x and come after it
     // follow it immediately.

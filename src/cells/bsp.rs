@@ -33,7 +33,7 @@ impl Default for BspOptions {
 }
 
 /// So few walls that any line that cuts none of them will do.
-const FEW: usize = 8;
+const FEW: usize = 24;
 
 /// The best line among a few of the fragments' own.
 pub fn choose(arrangement: &Arrangement, fragments: &[Fragment], options: &BspOptions) -> LineId {

@@ -47,11 +47,9 @@ impl Frame {
             let print = segments.iter().fold(0u64, |sum, &(a, b, code)| {
                 let (a, b) = (frame.enter(a), frame.enter(b));
                 let (a, b) = if a <= b { (a, b) } else { (b, a) };
-                sum.wrapping_add(
-                    [a.x, a.y, b.x, b.y]
-                        .iter()
-                        .fold(code, |h, &n| mix(h, n as u64)),
-                )
+                // Coordinates have 27 bits.
+                let packed = |p: GridPoint| (p.x as u64) << 32 | (p.y as u64 & 0xffff_ffff);
+                sum.wrapping_add(mix(mix(code, packed(a)), packed(b)))
             });
             (print, frame)
         });

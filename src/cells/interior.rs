@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::arrangement::{Arrangement, Cover, Piece};
 use super::locate::contains;
-use super::mesh::Mesh;
+use super::mesh::{HalfEdge, Mesh};
 use crate::geom::Vertex;
 use crate::level::{Finding, Interior, Level, OutlineId, SectorId, Severity};
 
@@ -74,24 +74,59 @@ impl Faces {
     }
 }
 
+/// What the sides of the walls around a face name.
+#[derive(Clone, Copy, PartialEq)]
+enum Said {
+    Nothing,
+    /// All the same sector, or all none.
+    All(Option<SectorId>),
+    Mixed,
+}
+
 /// Doom: the sides of the walls around a face name its sector. Sides that disagree are outvoted by
 /// length, and reported.
 fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label>, Vec<Finding>) {
     let mut faces = Faces::new(arrangement, mesh, |_| true);
     let outside = faces.outside();
-    // Per face and named sector (None: the back of a one-sided wall): the length that names it, and
-    // the walls.
+    let named_at =
+        |edge: &HalfEdge, cover: &Cover| arrangement.named_sector(level, cover, edge.left_of_piece);
+    let covers_at = |edge: &HalfEdge| match edge.piece {
+        Some(piece) => arrangement.covers(arrangement.piece(piece)),
+        None => &[],
+    };
+    // What the walls around each face say; nearly always they agree.
+    let mut said: Vec<Said> = vec![Said::Nothing; mesh.n_cells() + 1];
+    for edge in &mesh.edges {
+        let face = &mut said[faces.find(edge.cell) as usize];
+        for cover in covers_at(edge) {
+            let named = named_at(edge, cover);
+            *face = match *face {
+                Said::Nothing => Said::All(named),
+                Said::All(sector) if sector == named => *face,
+                _ => Said::Mixed,
+            };
+        }
+    }
+    if let Said::All(Some(_)) = said[outside as usize] {
+        said[outside as usize] = Said::Mixed;
+    }
+    // For the others, per named sector (None: the back of a one-sided wall): the length that names
+    // it, and the walls.
     type Votes = BTreeMap<Option<SectorId>, (f64, Vec<Cover>)>;
     let mut votes: BTreeMap<u32, Votes> = BTreeMap::new();
     for (i, edge) in mesh.edges.iter().enumerate() {
-        let Some(piece) = edge.piece else { continue };
-        let piece = arrangement.piece(piece);
+        let face = faces.find(edge.cell);
+        if said[face as usize] != Said::Mixed {
+            continue;
+        }
         let p = arrangement.vertices.get(edge.origin).approx();
         let length = p.distance(arrangement.vertices.get(mesh.end(i)).approx());
-        for cover in arrangement.covers(piece) {
-            let named = arrangement.named_sector(level, cover, edge.left_of_piece);
-            let face = votes.entry(faces.find(edge.cell)).or_default();
-            let vote = face.entry(named).or_default();
+        for cover in covers_at(edge) {
+            let vote = votes
+                .entry(face)
+                .or_default()
+                .entry(named_at(edge, cover))
+                .or_default();
             vote.0 += length;
             vote.1.push(*cover);
         }
@@ -133,7 +168,17 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
         );
     }
     let labels = (0..mesh.n_cells() as u32)
-        .map(|cell| labels.get(&faces.find(cell)).cloned().unwrap_or_default())
+        .map(|cell| {
+            let face = faces.find(cell);
+            match said[face as usize] {
+                Said::All(sector) => Label {
+                    inside: sector.is_some(),
+                    sector,
+                    also: Vec::new(),
+                },
+                _ => labels.get(&face).cloned().unwrap_or_default(),
+            }
+        })
         .collect();
     let mut findings = Vec::new();
     let mut find = |code, severity, message: &str, mut places: Vec<_>| {

@@ -82,7 +82,7 @@ struct Stretch {
 pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
     let mut by_line = leaf_edges(arrangement, partition);
     let n_edges = by_line.len();
-    by_line.sort_by_key(|(line, e)| (*line, e.edge));
+    by_line.sort_unstable_by_key(|(line, e)| (*line, e.edge));
     let mut pieces: Vec<(LineId, PieceId)> = arrangement
         .pieces
         .iter()
@@ -114,9 +114,7 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
         stops.sort_unstable();
         stops.dedup();
         let line = arrangement.lines.get(line);
-        stops.sort_by(|&p, &q| {
-            line.cmp_along(arrangement.vertices.get(p), arrangement.vertices.get(q))
-        });
+        stops.sort_unstable_by(|&p, &q| arrangement.vertices.cmp_along(line, p, q));
         for (i, v) in stops.iter().enumerate() {
             rank[v.0 as usize] = i;
         }
@@ -163,13 +161,15 @@ pub fn join_leaves(arrangement: &Arrangement, partition: &Partition) -> Mesh {
 
 /// All edges of all leaves with their lines.
 fn leaf_edges(arrangement: &Arrangement, partition: &Partition) -> Vec<(LineId, LeafEdge)> {
-    let mut list = Vec::with_capacity(partition.leaves.iter().map(Vec::len).sum());
+    let mut list = Vec::with_capacity(partition.leaves.iter().map(|r| r.len()).sum());
     for (cell, region) in (0u32..).zip(&partition.leaves) {
         for (i, &(from, line)) in region.iter().enumerate() {
             let to = region[(i + 1) % region.len()].0;
             // Counterclockwise, so the leaf is left of the line if the edge goes the line's way.
-            let (p, q) = (arrangement.vertices.get(from), arrangement.vertices.get(to));
-            let left = arrangement.lines.get(line).cmp_along(p, q).is_lt();
+            let left = arrangement
+                .vertices
+                .cmp_along(arrangement.lines.get(line), from, to)
+                .is_lt();
             let (from, to) = if left { (from, to) } else { (to, from) };
             let edge = list.len() as u32;
             list.push((

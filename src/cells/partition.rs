@@ -4,6 +4,8 @@
 //! convex leaves, whose corners are exact meetings of two lines. `bsp` and `kd` differ in the rule
 //! alone. Source: lecture, "Building a BSP tree", "BSP tree: Partitioning".
 
+use smallvec::SmallVec;
+
 use super::arrangement::{Arrangement, LineId, PieceId};
 use crate::geom::{Line, Side, VertexId};
 
@@ -21,7 +23,7 @@ pub struct Fragment {
 }
 
 /// A convex region: corner `i` and the line of the edge that leaves it, counterclockwise.
-pub type Region = Vec<(VertexId, LineId)>;
+pub type Region = SmallVec<[(VertexId, LineId); 8]>;
 
 /// A node of the tree, or one of its leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

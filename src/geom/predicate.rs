@@ -4,9 +4,11 @@
 //! them with f64 copies, and answers by the copies where a proven error bound allows it, which is
 //! nearly always; for grid points the f64 answer is itself exact.
 
+use std::cmp::Ordering;
+
 use ethnum::I256;
 use glam::DVec2;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::grid::GridPoint;
 use super::line::Line;
@@ -236,6 +238,15 @@ pub struct VertexSet {
 const OFF_GRID: [i32; 2] = [i32::MIN; 2];
 
 impl VertexSet {
+    /// Empty, with room for `n` points.
+    pub fn with_capacity(n: usize) -> Self {
+        Self {
+            list: Vec::with_capacity(n),
+            grid: Vec::with_capacity(n),
+            ids: FxHashMap::with_capacity_and_hasher(n, FxBuildHasher),
+        }
+    }
+
     /// The id of `v`, new if the point is new.
     pub fn insert(&mut self, v: Vertex) -> VertexId {
         *self.ids.entry(v).or_insert_with(|| {
@@ -259,6 +270,17 @@ impl VertexSet {
         match self.grid[id.0 as usize] {
             OFF_GRID => line.side(self.get(id)),
             [x, y] => Side::of(line.a * i64::from(x) + line.b * i64::from(y) + line.c),
+        }
+    }
+
+    /// Compares two vertices of the line in its direction; as [`Line::cmp_along`], but faster for
+    /// grid points.
+    #[inline]
+    pub fn cmp_along(&self, line: &Line, p: VertexId, q: VertexId) -> Ordering {
+        match (self.grid[p.0 as usize], self.grid[q.0 as usize]) {
+            (OFF_GRID, _) | (_, OFF_GRID) => line.cmp_along(self.get(p), self.get(q)),
+            // Lines point right, or straight up.
+            (p, q) => p.cmp(&q),
         }
     }
 

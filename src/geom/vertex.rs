@@ -33,20 +33,34 @@ impl Vertex {
         if w == 0 {
             return None;
         }
+        let sign = i128::from(w.signum());
         let m = w.unsigned_abs();
+        if m == 1 {
+            return Some(Self {
+                x: sign * x,
+                y: sign * y,
+                w: 1,
+            });
+        }
         // gcd(x, y, w) = gcd(gcd(w, x mod w), y mod w): only two divisions of wide numbers.
-        let remainder = |n: i128| (n.unsigned_abs() % u128::from(m)) as u64;
+        let remainder = |n: i128| match u64::try_from(n.unsigned_abs()) {
+            Ok(n) => n % m,
+            Err(_) => (n.unsigned_abs() % u128::from(m)) as u64,
+        };
         let g = gcd(gcd(m, remainder(x)), remainder(y)) as i64;
-        let g = if w < 0 { -g } else { g };
-        let wide = i128::from(g);
-        Some(if g == 1 {
-            Self { x, y, w }
+        let divided = |n: i128| match i64::try_from(n) {
+            Ok(n) => i128::from(n / g),
+            Err(_) => n / i128::from(g),
+        };
+        let (x, y) = if g == 1 {
+            (x, y)
         } else {
-            Self {
-                x: x / wide,
-                y: y / wide,
-                w: w / g,
-            }
+            (divided(x), divided(y))
+        };
+        Some(Self {
+            x: sign * x,
+            y: sign * y,
+            w: w.abs() / g,
         })
     }
 
