@@ -5,7 +5,7 @@
 //! predicate, flat or inverted ones are mended by flipping, and if any is left, the triangles are
 //! those of the leaves of a BSP instead. What comes out tiles the plan exactly.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
 use super::arrangement::{Arrangement, PieceId};
@@ -116,10 +116,10 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
     if bad.is_empty() {
         return true;
     }
-    let walls: FxHashMap<(VertexId, VertexId), ()> = arrangement
+    let walls: FxHashSet<(VertexId, VertexId)> = arrangement
         .pieces
         .iter()
-        .map(|p| ((p.from.min(p.to), p.from.max(p.to)), ()))
+        .map(|p| (p.from.min(p.to), p.from.max(p.to)))
         .collect();
     let mut edge_of: FxHashMap<(VertexId, VertexId), usize> = FxHashMap::default();
     for (i, t) in triangles.iter().enumerate() {
@@ -149,7 +149,7 @@ fn mend(arrangement: &Arrangement, triangles: &mut Vec<[VertexId; 3]>) -> bool {
             }
             continue;
         };
-        if walls.contains_key(&(p.min(q), p.max(q))) {
+        if walls.contains(&(p.min(q), p.max(q))) {
             return false;
         }
         let apex = *triangles[j].iter().find(|&&v| v != p && v != q).unwrap();

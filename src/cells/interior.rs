@@ -183,14 +183,7 @@ fn by_sides(level: &Level, arrangement: &Arrangement, mesh: &Mesh) -> (Vec<Label
     let mut findings = Vec::new();
     let mut find = |code, severity, message: &str, mut places: Vec<_>| {
         places.dedup();
-        if !places.is_empty() {
-            findings.push(Finding {
-                code,
-                severity,
-                message: message.into(),
-                places,
-            });
-        }
+        findings.extend(Finding::at(code, severity, message, places));
     };
     find(
         "disputed-sector",

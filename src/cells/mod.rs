@@ -21,6 +21,9 @@ pub use graph::{Cell, CellGraph, CellId, Edge, EdgeId, PartsError, Portal, Porta
 pub use locate::Locator;
 pub use validate::Flaw;
 
+use self::arrangement::Arrangement;
+use self::mesh::Mesh;
+use self::partition::Choose;
 use crate::level::Level;
 
 /// How the plan is cut into cells.
@@ -102,14 +105,16 @@ pub fn subdivide(level: &Level, options: &Options) -> CellGraph {
         pieces: arrangement.pieces.len(),
         ..Cost::default()
     };
+    let by_walls: &mut Choose = &mut |a, fragments| bsp::choose(a, fragments, &options.bsp);
+    let by_axes: &mut Choose = &mut |a, fragments| kd::choose(a, fragments, &options.kd);
     let mesh = match options.subdivision {
-        Subdivision::Bsp => split(&mut arrangement, options, false, &mut cost),
-        Subdivision::Kd => split(&mut arrangement, options, true, &mut cost),
+        Subdivision::Bsp => split(&mut arrangement, by_walls, &mut cost),
+        Subdivision::Kd => split(&mut arrangement, by_axes, &mut cost),
         Subdivision::Cdt => match cdt::triangulate(&arrangement) {
             Some(mesh) => mesh,
             None => {
                 cost.fallback = true;
-                let mesh = split(&mut arrangement, options, false, &mut cost);
+                let mesh = split(&mut arrangement, by_walls, &mut cost);
                 cdt::triangulate_cells(&arrangement, &mesh)
             }
         },
@@ -119,19 +124,9 @@ pub fn subdivide(level: &Level, options: &Options) -> CellGraph {
     graph::build(level, options, &arrangement, &mesh, labels, cost, findings)
 }
 
-fn split(
-    arrangement: &mut arrangement::Arrangement,
-    options: &Options,
-    kd: bool,
-    cost: &mut Cost,
-) -> mesh::Mesh {
-    let partition = partition::partition(arrangement, &mut |arrangement, fragments| {
-        if kd {
-            kd::choose(arrangement, fragments, &options.kd)
-        } else {
-            bsp::choose(arrangement, fragments, &options.bsp)
-        }
-    });
+/// Subdivides by the lines that `choose` names.
+fn split(arrangement: &mut Arrangement, choose: &mut Choose, cost: &mut Cost) -> Mesh {
+    let partition = partition::partition(arrangement, choose);
     cost.wall_splits = partition.splits;
     cost.depth = partition.depth;
     mesh::join_leaves(arrangement, &partition)

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 
+use super::compute::{self, Built, Job};
 use super::level_args::{DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
 use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Options, Subdivision, subdivide};
 use crate::level::Level;
-use crate::pvs::{Progress, Pvs, sectors, sweep};
-use crate::report::json::{self, Seconds};
+use crate::pvs::{Method, Progress, Pvs, sectors, sweep};
+use crate::report::json;
 use crate::report::prt;
 use crate::report::wording::{count, count_of};
 
@@ -191,10 +192,25 @@ fn portals(args: &PrtArgs) -> Result<Answer> {
 }
 
 fn as_json(args: &JsonArgs) -> Result<Answer> {
-    let (level, graph) = cells(&args.level, &args.cells, args.quiet)?;
+    let job = Job {
+        level: &args.level,
+        cells: args.cells.options(),
+        method: Method::Sweep,
+        max_steps: None,
+        threads: None,
+        quiet: args.quiet,
+    };
     let mut output = Output::create(&args.output)?;
-    let pvs = visibility(&graph, "finding what is visible", args.quiet);
-    output.write(|out| json::write(out, &level, &graph, &pvs, &Seconds::default()))?;
+    let Some(built) = compute::build(&job)? else {
+        bail!("the sweep has no limit to give up at");
+    };
+    let Built {
+        level,
+        graph,
+        pvs,
+        seconds,
+    } = &built;
+    output.write(|out| json::write(out, level, graph, pvs, seconds))?;
     output::commit([output])?;
     Ok(Answer::Yes)
 }

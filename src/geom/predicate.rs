@@ -293,9 +293,4 @@ impl VertexSet {
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
-
-    /// All points in the order of their ids.
-    pub fn into_vec(self) -> Vec<Vertex> {
-        self.list
-    }
 }

@@ -80,6 +80,23 @@ pub struct Finding {
     pub places: Vec<Place>,
 }
 
+impl Finding {
+    /// The finding, if it occurs anywhere.
+    pub fn at(
+        code: &'static str,
+        severity: Severity,
+        message: impl Into<String>,
+        places: Vec<Place>,
+    ) -> Option<Self> {
+        (!places.is_empty()).then(|| Self {
+            code,
+            severity,
+            message: message.into(),
+            places,
+        })
+    }
+}
+
 impl fmt::Display for Finding {
     /// `12 × zero-length-wall (repaired): … at linedef 3, linedef 9, linedef 12 and 9 more`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

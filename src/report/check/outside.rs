@@ -11,14 +11,7 @@ use crate::level::{
 pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |code, severity, message: &str, places: Vec<Place>| {
-        if !places.is_empty() {
-            findings.push(Finding {
-                code,
-                severity,
-                message: message.to_string(),
-                places,
-            });
-        }
+        findings.extend(Finding::at(code, severity, message, places));
     };
     let holes: BTreeSet<WallId> = graph
         .edges

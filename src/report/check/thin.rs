@@ -50,14 +50,7 @@ pub fn find(level: &Level, graph: &CellGraph) -> Vec<Finding> {
         .collect();
     let mut findings = Vec::new();
     let mut add = |code, severity, message: &str, places: Vec<Place>| {
-        if !places.is_empty() {
-            findings.push(Finding {
-                code,
-                severity,
-                message: message.to_string(),
-                places,
-            });
-        }
+        findings.extend(Finding::at(code, severity, message, places));
     };
     // Doom maps have strips of a unit's width on purpose.
     let by_sides = level.interior == Interior::Sides;
