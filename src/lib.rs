@@ -20,6 +20,7 @@
 //! | [`sight`] | chain of portals → stabbing lines | the exact funnel that grows and shrinks with the chain |
 //! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | `sweep` about vertices, depth-first `search`, sectors, the file format, `verify` |
 //! | [`report`] | results → people | JSON, pictures of the plan |
+//! | [`study`] | results → people | what accuracy costs in time |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
 //!
 //! # Numbers: exact inside, one door
@@ -57,3 +58,4 @@ pub mod level;
 pub mod pvs;
 pub mod report;
 pub mod sight;
+pub mod study;

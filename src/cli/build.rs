@@ -13,6 +13,8 @@ use super::{Answer, complain};
 use crate::cells::Subdivision;
 use crate::pvs::Method;
 use crate::pvs::file::{self, LevelInfo};
+use crate::pvs::heights::HeightsOptions;
+use crate::pvs::sample::SampleOptions;
 use crate::report::json;
 
 /// Compute cells, portals and the potentially visible set of a level.
@@ -32,6 +34,22 @@ pub struct BuildArgs {
     /// Give up the search after this many steps (cells entered)
     #[arg(long, value_name = "N")]
     max_steps: Option<u64>,
+    /// Count floors and ceilings: sight in space, not only on the plan
+    #[arg(long)]
+    heights: bool,
+    /// With --heights: into how many parts the lines through one chain of portals may be split
+    /// before it is left undecided
+    #[arg(long, value_name = "N", requires = "heights")]
+    splits: Option<u32>,
+    /// With --method sample: random sightlines from every cell [default: 1000]
+    #[arg(long, value_name = "N")]
+    rays: Option<u32>,
+    /// With --method sample: seed of all that is random [default: 1]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// With --method lp and --heights: leave undecided what is open after this many seconds
+    #[arg(long, value_name = "SECONDS")]
+    time_limit: Option<f64>,
     /// Threads to compute with [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -79,6 +97,14 @@ enum MethodArg {
     Sweep,
     /// Depth first through chains of portals; exact
     Search,
+    /// Depth first, each chain asked of a floating-point linear programme
+    Lp,
+    /// Portal flow with separators, as the Quake tools do it, in floating point
+    Flow,
+    /// Connected through open portals; misses nothing
+    Flood,
+    /// Random sightlines (see --rays); shows nothing too much
+    Sample,
 }
 
 impl From<MethodArg> for Method {
@@ -86,6 +112,10 @@ impl From<MethodArg> for Method {
         match arg {
             MethodArg::Sweep => Method::Sweep,
             MethodArg::Search => Method::Search,
+            MethodArg::Lp => Method::Lp,
+            MethodArg::Flow => Method::Flow,
+            MethodArg::Flood => Method::Flood,
+            MethodArg::Sample => Method::Sample,
         }
     }
 }
@@ -95,11 +125,33 @@ pub fn run(args: &BuildArgs) -> Result<Answer> {
     if args.max_steps.is_some() && args.method != MethodArg::Search {
         bail!("--max-steps limits the search; give --method search with it");
     }
+    let samples = args.method == MethodArg::Sample;
+    if (args.rays.is_some() || args.seed.is_some()) && !samples {
+        bail!("--rays and --seed are for random sightlines; give --method sample with them");
+    }
+    if args.time_limit.is_some() && args.method != MethodArg::Lp && !args.heights {
+        bail!("--time-limit is for --method lp and for --heights; the others leave nothing open");
+    }
+    if args.heights && !matches!(args.method, MethodArg::Sweep | MethodArg::Search) {
+        bail!("--heights has its own method (a search); leave --method out");
+    }
     let job = |subdivision| Job {
         level: &args.level,
         cells: args.bsp.options(subdivision, args.doors.into()),
-        method: args.method.into(),
+        method: if args.heights {
+            Method::Search
+        } else {
+            args.method.into()
+        },
+        heights: args.heights.then(|| HeightsOptions {
+            splits: args.splits.unwrap_or(HeightsOptions::default().splits),
+        }),
+        sample: SampleOptions {
+            rays: args.rays.unwrap_or(SampleOptions::default().rays),
+            seed: args.seed.unwrap_or(SampleOptions::default().seed),
+        },
         max_steps: args.max_steps,
+        time_limit: args.time_limit,
         threads: args.threads,
         quiet: args.quiet,
     };
@@ -173,7 +225,9 @@ fn compare<'a>(args: &'a BuildArgs, job: impl Fn(Subdivision) -> Job<'a>) -> Res
     for job in Subdivision::ALL.map(job) {
         let (mut subdivide, mut visible) = (0.0, 0.0);
         let graph = timed(&mut subdivide, || compute::cells(&job, &level));
-        let pvs = timed(&mut visible, || compute::visibility(&job, &graph, &pool));
+        let pvs = timed(&mut visible, || {
+            compute::visibility(&job, &level, &graph, &pool)
+        });
         let Some(pvs) = pvs else { return Ok(false) };
         let size = file::encode(&LevelInfo::of(&level), &graph, &pvs).len();
         rows.push(Compared::new(&graph, &pvs, subdivide, visible, size));

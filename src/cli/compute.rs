@@ -1,6 +1,8 @@
 //! From arguments to a finished PVS: what `build` and the exports have in common.
 
-use std::time::Instant;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use rayon::ThreadPool;
@@ -9,7 +11,10 @@ use super::level_args::{LevelArgs, warn_of};
 use super::progress;
 use crate::cells::{CellGraph, Options, subdivide};
 use crate::level::Level;
-use crate::pvs::{Method, Progress, Pvs, search, sweep};
+use crate::pvs::flow::FlowOptions;
+use crate::pvs::heights::HeightsOptions;
+use crate::pvs::sample::SampleOptions;
+use crate::pvs::{self, Method, Progress, Pvs, PvsOptions};
 use crate::report::json::Seconds;
 
 /// What is to be computed, and how.
@@ -20,8 +25,14 @@ pub struct Job<'a> {
     pub cells: Options,
     /// How visibility is found.
     pub method: Method,
+    /// Whether floors and ceilings count.
+    pub heights: Option<HeightsOptions>,
+    /// For [`Method::Sample`].
+    pub sample: SampleOptions,
     /// Where the search gives up.
     pub max_steps: Option<u64>,
+    /// Seconds after which methods that can leave pairs undecided do so.
+    pub time_limit: Option<f64>,
     /// Threads; `None`: as many as there are processors.
     pub threads: Option<usize>,
     /// Neither warnings nor a progress bar.
@@ -52,7 +63,9 @@ pub fn build(job: &Job) -> Result<Option<Built>> {
     if !job.quiet {
         warn_of(&graph.findings);
     }
-    let pvs = timed(&mut seconds.visibility, || visibility(job, &graph, &pool));
+    let pvs = timed(&mut seconds.visibility, || {
+        visibility(job, &level, &graph, &pool)
+    });
     Ok(pvs.map(|pvs| Built {
         level,
         graph,
@@ -81,13 +94,36 @@ pub fn cells(job: &Job, level: &Level) -> CellGraph {
 }
 
 /// The PVS, or `None` if the search gave up.
-pub fn visibility(job: &Job, graph: &CellGraph, pool: &ThreadPool) -> Option<Pvs> {
+pub fn visibility(job: &Job, level: &Level, graph: &CellGraph, pool: &ThreadPool) -> Option<Pvs> {
+    let options = PvsOptions {
+        method: job.method,
+        heights: job.heights,
+        max_steps: job.max_steps,
+        sample: job.sample,
+        flow: FlowOptions::of(level),
+    };
     let counter = Progress::default();
     progress::show("finding what is visible", job.quiet, &counter, || {
-        pool.install(|| match job.method {
-            Method::Sweep => Some(sweep::sweep(graph, &counter)),
-            Method::Search => search::search(graph, job.max_steps, &counter),
+        within(job.time_limit, &counter, || {
+            pool.install(|| pvs::compute(graph, &options, &counter))
         })
+    })
+}
+
+/// Does the work, and asks it to stop when so many seconds are over.
+pub fn within<T>(limit: Option<f64>, counter: &Progress, work: impl FnOnce() -> T) -> T {
+    let Some(limit) = limit else { return work() };
+    thread::scope(|scope| {
+        let (finished, wait) = mpsc::channel::<()>();
+        scope.spawn(move || {
+            let limit = Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
+            if wait.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+                counter.stop();
+            }
+        });
+        let result = work();
+        drop(finished);
+        result
     })
 }
 

@@ -11,6 +11,7 @@ use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Options, Subdivision, subdivide};
 use crate::level::Level;
+use crate::pvs::sample::SampleOptions;
 use crate::pvs::{Method, Progress, Pvs, sectors, sweep};
 use crate::report::json;
 use crate::report::prt;
@@ -196,7 +197,10 @@ fn as_json(args: &JsonArgs) -> Result<Answer> {
         level: &args.level,
         cells: args.cells.options(),
         method: Method::Sweep,
+        heights: None,
+        sample: SampleOptions::default(),
         max_steps: None,
+        time_limit: None,
         threads: None,
         quiet: args.quiet,
     };

@@ -9,13 +9,18 @@ mod bits;
 mod fan;
 pub mod file;
 mod flat;
+pub mod flood;
+pub mod flow;
+pub mod heights;
+pub mod lp;
+pub mod sample;
 pub mod search;
 pub mod sectors;
 pub mod sweep;
 pub mod verify;
 
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 pub use bits::{BitMatrix, ones};
 
@@ -29,14 +34,36 @@ pub enum Method {
     Sweep,
     /// Depth first through chains of portals; exact.
     Search,
+    /// Depth first, with a floating-point linear programme as the stabbing test.
+    Lp,
+    /// Portal flow with separators in floating point, as the Quake tools do it.
+    Flow,
+    /// Connected through open portals.
+    Flood,
+    /// Random sightlines.
+    Sample,
 }
 
 impl Method {
+    /// All of them: the exact ones first.
+    pub const ALL: [Method; 6] = [
+        Method::Sweep,
+        Method::Search,
+        Method::Lp,
+        Method::Flow,
+        Method::Flood,
+        Method::Sample,
+    ];
+
     /// The name on the command line and in JSON.
     pub fn as_str(self) -> &'static str {
         match self {
             Method::Sweep => "sweep",
             Method::Search => "search",
+            Method::Lp => "lp",
+            Method::Flow => "flow",
+            Method::Flood => "flood",
+            Method::Sample => "sample",
         }
     }
 
@@ -44,6 +71,9 @@ impl Method {
     pub fn class(self) -> Class {
         match self {
             Method::Sweep | Method::Search => Class::Exact,
+            Method::Lp | Method::Flow => Class::Approximate,
+            Method::Flood => Class::Conservative,
+            Method::Sample => Class::Aggressive,
         }
     }
 }
@@ -73,6 +103,36 @@ impl Class {
     }
 }
 
+/// What is to be computed, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PvsOptions {
+    /// By which method; with heights, it must be [`Method::Search`].
+    pub method: Method,
+    /// Whether floors and ceilings count, and how hard to try.
+    pub heights: Option<heights::HeightsOptions>,
+    /// Where the search gives up, in steps.
+    pub max_steps: Option<u64>,
+    /// For [`Method::Sample`].
+    pub sample: sample::SampleOptions,
+    /// For [`Method::Flow`].
+    pub flow: flow::FlowOptions,
+}
+
+/// Computes a PVS; `None` if the search gave up. Uses the current rayon thread pool.
+pub fn compute(graph: &CellGraph, options: &PvsOptions, progress: &Progress) -> Option<Pvs> {
+    if let Some(heights) = &options.heights {
+        return Some(heights::heights(graph, heights, progress));
+    }
+    Some(match options.method {
+        Method::Sweep => sweep::sweep(graph, progress),
+        Method::Search => return search::search(graph, options.max_steps, progress),
+        Method::Lp => lp::lp(graph, progress),
+        Method::Flow => flow::flow(graph, &options.flow, progress),
+        Method::Flood => flood::flood(graph, progress),
+        Method::Sample => sample::sample(graph, &options.sample, progress),
+    })
+}
+
 /// A cell-to-cell visibility relation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pvs {
@@ -82,6 +142,9 @@ pub struct Pvs {
     pub method: Method,
     /// What it promises.
     pub class: Class,
+    /// Whether floors and ceilings count: then a sightline is a segment in space that passes through
+    /// the openings of all portals on its way.
+    pub heights: bool,
     /// Ordered pairs that count as visible without proof, for methods with a budget.
     pub undecided: u64,
     /// Elementary steps that the method took: cells entered.
@@ -133,7 +196,8 @@ impl Pvs {
         }
         for portal in &graph.portals {
             let [a, b] = graph.joined(portal);
-            if !self.sees(a, b) {
+            // With heights on, an opening may have no height.
+            if !self.heights && !self.sees(a, b) && self.class != Class::Aggressive {
                 return Err(Flaw::Neighbours(a, b));
             }
         }
@@ -182,13 +246,14 @@ impl fmt::Display for Flaw {
     }
 }
 
-/// How far a computation has come; read by others while it runs.
+/// How far a computation has come, read by others while it runs; and their wish that it stop.
 #[derive(Debug, Default)]
 pub struct Progress {
     /// Units of work done.
     pub done: AtomicU64,
     /// Units of work in all; 0 before it is known.
     pub total: AtomicU64,
+    stop: AtomicBool,
 }
 
 impl Progress {
@@ -201,5 +266,16 @@ impl Progress {
     /// Counts `by` more as done.
     pub fn advance(&self, by: usize) {
         self.done.fetch_add(by as u64, Relaxed);
+    }
+
+    /// Asks the computation to come to an end soon. Methods with undecided pairs then leave what is
+    /// open undecided; others take no notice.
+    pub fn stop(&self) {
+        self.stop.store(true, Relaxed);
+    }
+
+    /// Whether somebody asked for the end.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Relaxed)
     }
 }

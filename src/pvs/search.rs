@@ -45,6 +45,7 @@ pub fn search(graph: &CellGraph, max_steps: Option<u64>, progress: &Progress) ->
         visible: visible.symmetric(),
         method: Method::Search,
         class: Class::Exact,
+        heights: false,
         undecided: 0,
         steps: steps.into_inner(),
     })

@@ -87,6 +87,7 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
         visible: bits.symmetric(),
         method: Method::Sweep,
         class: Class::Exact,
+        heights: false,
         undecided: 0,
         steps,
     }

@@ -146,7 +146,7 @@ impl Serialize for Visibility<'_> {
         let mut head = serializer.serialize_struct("visibility", 8)?;
         head.serialize_field("method", pvs.method.as_str())?;
         head.serialize_field("class", pvs.class.as_str())?;
-        head.serialize_field("heights", &false)?;
+        head.serialize_field("heights", &pvs.heights)?;
         head.serialize_field("doors", graph.options.doors.as_str())?;
         head.serialize_field("pairs", &pvs.pairs())?;
         head.serialize_field("density", &pvs.density())?;

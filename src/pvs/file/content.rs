@@ -87,7 +87,8 @@ fn write_info(info: &LevelInfo, graph: &CellGraph, pvs: &Pvs) -> Vec<u8> {
     };
     out.extend(kind.to_le_bytes());
     out.extend(k.to_le_bytes());
-    out.extend(u32::from(graph.cost.fallback).to_le_bytes());
+    let flags = u32::from(graph.cost.fallback) | u32::from(pvs.heights) << 1;
+    out.extend(flags.to_le_bytes());
     for n in graph.grid.origin {
         out.extend(n.to_le_bytes());
     }
@@ -157,7 +158,7 @@ impl Head {
             _ => return Err(value("step", "is of an unknown kind")),
         };
         let flags = reader.u32()?;
-        if flags > 1 {
+        if flags > 3 {
             return Err(value("flag", "is unknown"));
         }
         let grid = Grid {
@@ -194,7 +195,6 @@ impl Head {
             })?,
             ..Options::default()
         };
-        let methods = [Method::Sweep, Method::Search];
         let classes = [
             Class::Exact,
             Class::Conservative,
@@ -203,8 +203,9 @@ impl Head {
         ];
         let pvs = Pvs {
             visible: BitMatrix::new(0),
-            method: known("method", method, &methods, |m| m.as_str())?,
+            method: known("method", method, &Method::ALL, |m| m.as_str())?,
             class: known("class", class, &classes, |c| c.as_str())?,
+            heights: flags & 2 != 0,
             undecided,
             steps,
         };

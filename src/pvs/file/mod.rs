@@ -34,7 +34,7 @@
 //! | 32 | u32 | fingerprint of the level's walls, see [`LevelInfo::fingerprint`] |
 //! | 36 | u32 | kind of the grid's step: 0 for 10^−k units, 1 for 2^−k units |
 //! | 40 | i32 | that k |
-//! | 44 | u32 | flags: bit 0, triangulation fell back on BSP leaves; the others are 0 |
+//! | 44 | u32 | flags: bit 0, triangulation fell back on BSP leaves; bit 1, floors and ceilings count for visibility; the others are 0 |
 //! | 48 | 2 × i64 | the grid's origin x, y, in steps |
 //! | 64 | f64 | largest distance by which a point was moved onto the grid, in units |
 //! | 72 | u64 | ordered pairs counted as visible without proof |

@@ -261,7 +261,7 @@ fn numbers_with_no_meaning_are_named_with_their_place() {
     for (tag, at, bytes, message) in [
         (b"INFO", 36, &[7, 0, 0, 0][..], "kind"),
         (b"INFO", 40, &far, "exponent"),
-        (b"INFO", 44, &[2], "flag"),
+        (b"INFO", 44, &[4], "flag"),
         (
             b"EXAC",
             32,
