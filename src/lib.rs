@@ -59,3 +59,4 @@ pub mod pvs;
 pub mod report;
 pub mod sight;
 pub mod study;
+pub mod trace;

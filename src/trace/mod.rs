@@ -3,6 +3,11 @@
 //! Floating point starts here. Coordinates are f64 in the level's own unit: x right, y up on the
 //! plan, z up; right-handed. Rays need not have unit direction: `t` counts in multiples of it.
 
+mod brute;
+pub mod cast;
 pub mod ray;
-pub mod shapes;
-pub mod accel;
+pub mod space;
+
+pub use cast::{Met, Place, walk};
+pub use ray::Ray;
+pub use space::{Space, Surface};
