@@ -4,8 +4,11 @@
 //! plan, z up; right-handed. Rays need not have unit direction: `t` counts in multiples of it.
 
 mod brute;
+pub mod camera;
 pub mod cast;
+pub mod light;
 pub mod ray;
+pub mod sampling;
 pub mod space;
 
 pub use cast::{Met, Place, walk};
