@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::beam::Bundle;
 use super::ray::Ray;
 
 /// A camera with its picture's size.
@@ -53,6 +54,17 @@ impl Camera {
             origin: self.eye,
             direction: self.towards + self.right * x + self.up * y,
         }
+    }
+}
+
+impl Bundle for Camera {
+    fn origin(&self) -> DVec3 {
+        self.eye
+    }
+
+    #[inline]
+    fn direction(&self, at: DVec2) -> DVec3 {
+        self.ray(at).direction
     }
 }
 

@@ -173,21 +173,42 @@ fn edge_of(surface: Surface) -> Option<u32> {
 /// What the ray meets first, walking from cell to cell; `None` if it is still under way at `limit`
 /// (in multiples of its direction), or leaves a level without heights upwards or downwards.
 /// `visit` is told every cell on the way, with the stretch of the ray in it (up to the exit), and
-/// may shorten the limit: by an object that it has met there.
+/// gives a new limit: that of an object met there, or the old one.
 pub fn walk(
     space: &Space,
     ray: &Ray,
     start: Place,
+    limit: f64,
+    visit: impl FnMut(CellId, f64) -> f64,
+) -> Option<Met> {
+    // A pane's ray may start on either side of it: in its cell, the pane's edge is the entry.
+    let entry = start.on.and_then(edge_of).map(|e| {
+        let edge = space.edge(e);
+        if edge.cell == start.cell.0 {
+            e
+        } else {
+            edge.twin
+        }
+    });
+    go(space, ray, start.cell, entry, limit, visit)
+}
+
+/// As [`walk`] without a limit, for a ray that has come into a cell through one of its edges.
+pub(super) fn walk_on(space: &Space, ray: &Ray, cell: CellId, entry: Option<u32>) -> Option<Met> {
+    go(space, ray, cell, entry, f64::INFINITY, |_, _| f64::INFINITY)
+}
+
+#[inline]
+fn go(
+    space: &Space,
+    ray: &Ray,
+    start: CellId,
+    mut entry: Option<u32>,
     mut limit: f64,
     mut visit: impl FnMut(CellId, f64) -> f64,
 ) -> Option<Met> {
     let course = Course::new(space, *ray);
-    let mut id = start.cell;
-    // A pane's ray may start on either side of it: in its cell, the pane's edge is the entry.
-    let mut entry = start.on.and_then(edge_of).map(|e| {
-        let edge = space.edge(e);
-        if edge.cell == id.0 { e } else { edge.twin }
-    });
+    let mut id = start;
     loop {
         let cell = space.cell(id.0);
         let exit = course.exit(cell, entry);
