@@ -166,7 +166,7 @@ impl<V: Volume> Walk for Bvh<V> {
             return;
         }
         // Nodes to come back to, and when the ray enters them.
-        let mut open: SmallVec<[(f64, &Node<V>); 48]> = SmallVec::new();
+        let mut open: SmallVec<[(f64, &Node<V>); 32]> = SmallVec::new();
         loop {
             if node.count > 0 {
                 count.cell();

@@ -84,6 +84,13 @@ impl Cast {
 }
 
 impl Shear {
+    /// Whether the ray points against its main axis: then what goes around counterclockwise, seen
+    /// against the ray, goes clockwise in the sheared plan.
+    #[inline]
+    pub fn is_turned(&self) -> bool {
+        self.by.z < 0.0
+    }
+
     /// The point in the sheared space, `p` being relative to the origin of the ray: the ray passes at
     /// (x, y) = (0, 0), and z is the t of the plane across the ray's main axis.
     #[inline]

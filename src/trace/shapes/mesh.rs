@@ -13,6 +13,8 @@ use std::fmt;
 
 use glam::{DVec2, DVec3};
 
+use start::Leaving;
+
 use super::Hit;
 use super::placement::Placement;
 use super::triangle::{self, pierce};
@@ -138,10 +140,10 @@ impl Mesh {
         *self.structure.bounds()
     }
 
-    fn triangles<'a>(&'a self, from: Option<&'a Start>) -> Triangles<'a> {
+    fn triangles(&self, from: Option<&Start>) -> Triangles<'_> {
         Triangles {
             points: &self.points,
-            from,
+            from: from.map(|start| Leaving::new(&self.points, start)),
         }
     }
 
@@ -205,7 +207,7 @@ impl Points {
 /// The triangles as primitives, for a ray that starts on one of them or elsewhere.
 struct Triangles<'a> {
     points: &'a Points,
-    from: Option<&'a Start>,
+    from: Option<Leaving>,
 }
 
 impl Primitives for Triangles<'_> {
@@ -233,19 +235,15 @@ impl Primitives for Triangles<'_> {
         _: &mut C,
     ) -> Option<Contact> {
         let corners = self.points.corners(triangle);
-        let pierced = pierce(cast, corners)?;
-        let t = match self.from {
-            None => (pierced.t > 0.0).then_some(pierced.t)?,
-            Some(start) if start.part == triangle => return None,
-            Some(start) => {
-                let own = self.points.corners(start.part);
-                start::time(&cast.ray, start.inwards, own, corners, pierced.t)?
-            }
+        let met = match &self.from {
+            None => pierce(cast, corners).filter(|p| p.t > 0.0)?,
+            Some(leaving) if leaving.part == triangle => return None,
+            Some(leaving) => leaving.meet(cast, corners)?,
         };
         Some(Contact {
-            t,
+            t: met.t,
             part: triangle,
-            weights: pierced.weights,
+            weights: met.weights,
         })
     }
 }

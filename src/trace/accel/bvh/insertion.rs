@@ -64,13 +64,17 @@ fn insert(nodes: &mut Vec<Grown>, object: u32, bounds: &Bounds) {
         let Kind::Branch(children) = node.kind else {
             break;
         };
+        // Wherever it ends there will be a new branch: around both, if that is a leaf, and otherwise
+        // at least around the object.
         let increase = |child: u32| {
             let child = &nodes[child as usize];
-            let increase = child.bounds.union(bounds).half_area() - child.bounds.half_area();
+            let whole = child.bounds.union(bounds).half_area();
             match child.kind {
-                // The leaf becomes a branch of that area.
-                Kind::Object(_) => (increase + child.bounds.half_area(), child.size),
-                Kind::Branch(_) => (increase, child.size),
+                Kind::Object(_) => (whole, child.size),
+                Kind::Branch(_) => {
+                    let more = whole - child.bounds.half_area();
+                    (more + bounds.half_area(), child.size)
+                }
             }
         };
         let [a, b] = children.map(increase);

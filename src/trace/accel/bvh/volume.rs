@@ -305,7 +305,7 @@ mod tests {
         let (origin, direction) = ([5.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
         let (from, to) = interval(&whole, origin, direction);
         assert!(from <= to);
-        let (from, to) = interval(&slabs, [6.0, 0.0, -1.0], [-1.0, 0.0, 1.0]);
+        let (from, to) = interval(&slabs, origin, direction);
         assert!(from > to, "{from} {to}");
     }
 }

@@ -64,7 +64,7 @@ pub(super) fn stack<S: Search, C: Count>(
     count: &mut C,
 ) {
     let mut mailbox = Mailbox::new();
-    let mut open: SmallVec<[(u32, f64, f64); 48]> = SmallVec::new();
+    let mut open: SmallVec<[(u32, f64, f64); 32]> = SmallVec::new();
     let mut at = 0;
     loop {
         let node = &tree.nodes[at as usize];
