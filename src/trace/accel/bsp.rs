@@ -99,11 +99,14 @@ impl Bsp {
             };
             let entries = lists[0].len() + lists[1].len();
             room -= entries - list.len();
-            let vain = if entries == 2 * list.len() { vain + 1 } else { 0 };
+            let vain = if entries == 2 * list.len() {
+                vain + 1
+            } else {
+                0
+            };
             let child = tree.nodes.len();
             tree.nodes[node] = Node::Branch(child as u32);
-            tree.nodes
-                .extend([Node::Leaf { first: 0, count: 0 }; 2]);
+            tree.nodes.extend([Node::Leaf { first: 0, count: 0 }; 2]);
             for (i, (part, list)) in part.halves().into_iter().zip(lists).enumerate() {
                 open.push_back((child + i, part, list, depth + 1, vain));
             }

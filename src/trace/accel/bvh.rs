@@ -133,7 +133,9 @@ fn fit<V: Volume>(tree: &Topology, boxes: &[Bounds]) -> Vec<Node<V>> {
         };
         let first = first as usize;
         fitted[i] = if count == 0 {
-            fitted[first].zip(fitted[first + 1]).map(|(a, b)| join(a, b))
+            fitted[first]
+                .zip(fitted[first + 1])
+                .map(|(a, b)| join(a, b))
         } else {
             tree.order[first..first + count as usize]
                 .iter()

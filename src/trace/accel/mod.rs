@@ -287,10 +287,7 @@ fn share(list: &[u32], boxes: &[Bounds], axis: usize, at: f64) -> [Vec<u32>; 2] 
         let touches = |&&p: &&u32| touches(&boxes[p as usize]);
         list.iter().filter(touches).copied().collect()
     };
-    [
-        those(&|b| b.min[axis] <= at),
-        those(&|b| b.max[axis] >= at),
-    ]
+    [those(&|b| b.min[axis] <= at), those(&|b| b.max[axis] >= at)]
 }
 
 /// Checks that every primitive whose box touches the leaf is listed in it, once.

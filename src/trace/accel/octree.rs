@@ -110,8 +110,7 @@ impl Octree {
             };
             let first = tree.nodes.len();
             tree.nodes[node] = Node::Branch(first as u32);
-            tree.nodes
-                .extend([Node::Leaf { first: 0, count: 0 }; 8]);
+            tree.nodes.extend([Node::Leaf { first: 0, count: 0 }; 8]);
             for (i, part) in (0..).zip(parts) {
                 open.push_back((first + i as usize, block.child(i), part));
             }

@@ -161,7 +161,11 @@ mod tests {
     #[test]
     fn the_tip_the_axis_and_the_side_s_own_direction() {
         assert_eq!(of([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]), Some([1.0, 5.0]));
-        assert_eq!(of([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]), Some([1.0, 1.0]), "the tip");
+        assert_eq!(
+            of([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            Some([1.0, 1.0]),
+            "the tip"
+        );
         // Parallel to the side: x = z/2 + 1 is outside, x = z/2 - 1 inside from z = 1 on.
         assert_eq!(of([1.0, 0.0, 0.0], [0.5, 0.0, 1.0]), None);
         within(of([-1.0, 0.0, 0.0], [0.5, 0.0, 1.0]), [1.0, 4.0], 1e-14);

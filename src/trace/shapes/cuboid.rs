@@ -111,7 +111,10 @@ mod tests {
     #[test]
     fn flat_and_far_away() {
         let sheet = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0));
-        assert_eq!(of(sheet, [0.5, 0.5, 1.0], [0.0, 0.0, -2.0]), Some([0.5, 0.5]));
+        assert_eq!(
+            of(sheet, [0.5, 0.5, 1.0], [0.0, 0.0, -2.0]),
+            Some([0.5, 0.5])
+        );
         let far = Cuboid::new(DVec3::splat(1e6), DVec3::splat(1e6 + 2.0));
         let origin = [1e6 - 1.0, 1e6 + 1.0, 1e6 + 1.0];
         assert_eq!(of(far, origin, [1.0, 0.0, 0.0]), Some([1.0, 3.0]));

@@ -42,7 +42,11 @@ impl Cylinder {
     /// run across the square around it.
     pub fn surface(&self, p: DVec3, part: u32) -> Surface {
         if part != 0 {
-            return disc(p, self.radius, if part == 1 { None } else { Some(self.height) });
+            return disc(
+                p,
+                self.radius,
+                if part == 1 { None } else { Some(self.height) },
+            );
         }
         let out = p.truncate().normalize_or(DVec2::X);
         let z = p.z.clamp(0.0, self.height);
@@ -90,7 +94,11 @@ pub(super) fn around(out: DVec2) -> f64 {
 pub(super) fn disc(p: DVec3, radius: f64, top: Option<f64>) -> Surface {
     Surface {
         point: p.truncate().extend(top.unwrap_or(0.0)),
-        normal: if top.is_some() { DVec3::Z } else { DVec3::NEG_Z },
+        normal: if top.is_some() {
+            DVec3::Z
+        } else {
+            DVec3::NEG_Z
+        },
         uv: p.truncate() / (2.0 * radius) + 0.5,
     }
 }

@@ -18,9 +18,7 @@ use start::Leaving;
 use super::Hit;
 use super::placement::Placement;
 use super::triangle::{self, pierce};
-use crate::trace::accel::{
-    Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want,
-};
+use crate::trace::accel::{Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want};
 use crate::trace::ray::Start;
 
 /// Points with triangles between them, seen from both sides. Which side is out is told by the order

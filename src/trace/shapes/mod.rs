@@ -93,18 +93,17 @@ pub struct Hit {
 
 impl Hit {
     /// `normals`: the geometric one, and the interpolated one, of any length.
-    fn new(
-        contact: &Contact,
-        point: DVec3,
-        (normal, mixed): (DVec3, DVec3),
-        uv: DVec2,
-    ) -> Self {
+    fn new(contact: &Contact, point: DVec3, (normal, mixed): (DVec3, DVec3), uv: DVec2) -> Self {
         let mixed = mixed.normalize_or(normal);
         Self {
             t: contact.t,
             point,
             normal,
-            shading: if mixed.dot(normal) < 0.0 { -mixed } else { mixed },
+            shading: if mixed.dot(normal) < 0.0 {
+                -mixed
+            } else {
+                mixed
+            },
             uv,
             part: contact.part,
         }

@@ -79,9 +79,7 @@ impl Placed {
 
     /// The surface of a face near the ray's point at `t`.
     pub fn surface(&self, ray: &Ray, t: f64, part: u32) -> Surface {
-        let own = self
-            .solid
-            .surface(self.placement.inward(ray).at(t), part);
+        let own = self.solid.surface(self.placement.inward(ray).at(t), part);
         Surface {
             point: self.placement.point(own.point),
             normal: self.placement.normal(own.normal),
@@ -124,11 +122,7 @@ mod tests {
             }),
             placement: place([2.0, 1.0, 4.0], DQuat::IDENTITY, [10.0, 0.0, 0.0]),
         };
-        within(
-            ends(&placed, [0.0; 3], [1.0, 0.0, 0.0]),
-            [8.0, 12.0],
-            1e-14,
-        );
+        within(ends(&placed, [0.0; 3], [1.0, 0.0, 0.0]), [8.0, 12.0], 1e-14);
         within(
             ends(&placed, [10.0, 0.0, 9.0], [0.0, 0.0, -5.0]),
             [1.0, 2.6],
@@ -139,7 +133,10 @@ mod tests {
         let s = placed.surface(&hit, 5.0 - 0.5f64.sqrt(), 0);
         assert!((s.normal - DVec3::new(1.0, 2.0, 0.0).normalize()).length() < 1e-14);
         let b = placed.bounds();
-        assert!((b.min - DVec3::new(8.0, -1.0, -4.0)).length() < 1e-13, "{b:?}");
+        assert!(
+            (b.min - DVec3::new(8.0, -1.0, -4.0)).length() < 1e-13,
+            "{b:?}"
+        );
         assert!((b.max - DVec3::new(12.0, 1.0, 4.0)).length() < 1e-13);
     }
 
@@ -154,8 +151,16 @@ mod tests {
             }),
             placement: lying,
         };
-        within(ends(&placed, [4.0, 0.0, 0.0], [0.0, 0.0, 2.0]), [2.0, 3.0], 1e-14);
-        within(ends(&placed, [-2.0, 0.0, 5.0], [1.0, 0.0, 0.0]), [2.0, 10.0], 1e-14);
+        within(
+            ends(&placed, [4.0, 0.0, 0.0], [0.0, 0.0, 2.0]),
+            [2.0, 3.0],
+            1e-14,
+        );
+        within(
+            ends(&placed, [-2.0, 0.0, 5.0], [1.0, 0.0, 0.0]),
+            [2.0, 10.0],
+            1e-14,
+        );
         let s = placed.surface(&ray([4.0, 0.0, 0.0], [0.0, 0.0, 2.0]), 2.0, 0);
         assert!((s.normal - DVec3::NEG_Z).length() < 1e-15);
         // Half a right angle: of the cone of 45° one line of the side stands upright.

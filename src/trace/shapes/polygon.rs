@@ -84,7 +84,10 @@ impl fmt::Display for PolygonError {
             Self::NotPlane(by) => write!(f, "a corner lies {by} beside the plane of the others"),
             Self::Crossing(i, j) => write!(f, "the edges from corners {i} and {j} meet"),
             Self::Count(given, corners) => {
-                write!(f, "{given} normals or texture coordinates, {corners} corners")
+                write!(
+                    f,
+                    "{given} normals or texture coordinates, {corners} corners"
+                )
             }
         }
     }
@@ -121,14 +124,12 @@ impl Polygon {
         }
         let axis = dominant(normal);
         let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];
-        let flat: Vec<DVec2> = corners
-            .iter()
-            .map(|p| flatten(p - origin, axes))
-            .collect();
+        let flat: Vec<DVec2> = corners.iter().map(|p| flatten(p - origin, axes)).collect();
         if let Some((i, j)) = outline::crossing(&flat) {
             return Err(PolygonError::Crossing(i, j));
         }
-        let triangles = outline::triangles(&flat, normal[axis] > 0.0).ok_or(PolygonError::NoArea)?;
+        let triangles =
+            outline::triangles(&flat, normal[axis] > 0.0).ok_or(PolygonError::NoArea)?;
         Ok(Self {
             corners,
             normal,
@@ -201,16 +202,29 @@ impl Polygon {
         }
     }
 
+    fn nearest_corner(&self, p: DVec3) -> Weights {
+        let square = |&i: &usize| self.corners[i].distance_squared(p);
+        let nearest = (0..self.corners.len()).min_by(|a, b| square(a).total_cmp(&square(b)));
+        nearest.map(|i| (i as u32, 1.0)).into_iter().collect()
+    }
+
     /// The surface near `p`, and the interpolated normal.
     pub fn surface(&self, p: DVec3) -> (Surface, DVec3) {
         let point = p - self.normal * self.normal.dot(p - self.origin);
-        let weights = self.weights(point).unwrap_or_default();
+        // Rounding may have moved a point of the border out.
+        let weights = self
+            .weights(p)
+            .or_else(|| self.weights(point))
+            .unwrap_or_else(|| self.nearest_corner(point));
         let uv = match &self.uv {
             Some(uv) => weights.iter().map(|&(i, w)| uv[i as usize] * w).sum(),
             None => {
                 let along = (self.corners[1] - self.origin).normalize_or(DVec3::X);
                 let across = self.normal.cross(along);
-                DVec2::new(along.dot(point - self.origin), across.dot(point - self.origin))
+                DVec2::new(
+                    along.dot(point - self.origin),
+                    across.dot(point - self.origin),
+                )
             }
         };
         let mixed = self.normals.as_ref().map_or(self.normal, |normals| {

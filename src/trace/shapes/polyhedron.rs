@@ -214,7 +214,10 @@ mod tests {
         );
         assert_eq!(of(&p, [-3.0, 1.5, 1.0], [1.0, 0.0, 0.0]), None);
         assert_eq!(of(&p, [0.0; 3], [0.0, 4.0, 0.0]), Some([-0.5, 0.5]));
-        assert_eq!(of(&p, [9.0, 0.0, 0.0], [1.0, 0.0, 0.0]), Some([-11.0, -7.0]));
+        assert_eq!(
+            of(&p, [9.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            Some([-11.0, -7.0])
+        );
         // In by -x + y + z = 2, the high face of slab 1; out by x + y + z = 2, the high face of slab 0.
         let s = p.span(&ray([-3.0, 0.5, 0.25], [1.0, 0.0, 0.0]));
         assert_eq!((s.enter.part, s.exit.part), (3, 1));
@@ -223,12 +226,13 @@ mod tests {
     #[test]
     fn tangent_and_parallel() {
         let p = octahedron(DVec3::ZERO);
-        assert_eq!(of(&p, [-3.0, 0.0, 2.0], [1.0, 0.0, 0.0]), Some([3.0, 3.0]), "a corner");
-        // In the face x + y + z = 2, from edge to edge at z = 0.5.
         assert_eq!(
-            of(&p, [3.0, -1.5, 0.5], [-1.0, 1.0, 0.0]),
-            Some([1.5, 3.0])
+            of(&p, [-3.0, 0.0, 2.0], [1.0, 0.0, 0.0]),
+            Some([3.0, 3.0]),
+            "a corner"
         );
+        // In the face x + y + z = 2, from edge to edge at z = 0.5.
+        assert_eq!(of(&p, [3.0, -1.5, 0.5], [-1.0, 1.0, 0.0]), Some([1.5, 3.0]));
         let beyond = 0.5 + 4.0 * f64::EPSILON;
         assert_eq!(of(&p, [3.0, -1.5, beyond], [-1.0, 1.0, 0.0]), None);
     }
@@ -266,9 +270,18 @@ mod tests {
         let y = slab([0.0, 1.0, 0.0], 0.0, 1.0);
         let z = slab([0.0, 0.0, 2.0], 0.0, 1.0);
         assert_eq!(error(&[x, y]), PolyhedronError::Endless);
-        assert_eq!(error(&[x, y, slab([3.0, 4.0, 0.0], 0.0, 9.0)]), PolyhedronError::Endless);
-        assert_eq!(error(&[x, slab([0.0; 3], 0.0, 1.0)]), PolyhedronError::Slab(1));
-        assert_eq!(error(&[slab([1.0, 0.0, 0.0], 1.0, 0.0)]), PolyhedronError::Slab(0));
+        assert_eq!(
+            error(&[x, y, slab([3.0, 4.0, 0.0], 0.0, 9.0)]),
+            PolyhedronError::Endless
+        );
+        assert_eq!(
+            error(&[x, slab([0.0; 3], 0.0, 1.0)]),
+            PolyhedronError::Slab(1)
+        );
+        assert_eq!(
+            error(&[slab([1.0, 0.0, 0.0], 1.0, 0.0)]),
+            PolyhedronError::Slab(0)
+        );
         let apart = slab([1.0, 1.0, 0.0], 3.0, 4.0);
         assert_eq!(error(&[x, y, z, apart]), PolyhedronError::Empty);
         assert!(Polyhedron::new(vec![x, y, z]).is_ok());

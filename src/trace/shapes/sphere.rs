@@ -42,7 +42,11 @@ impl Sphere {
         let product = (distance - self.radius) * (distance + self.radius);
         let farther = ahead + (rest * square).sqrt().copysign(ahead);
         let one = farther / square;
-        let two = if farther == 0.0 { 0.0 } else { product / farther };
+        let two = if farther == 0.0 {
+            0.0
+        } else {
+            product / farther
+        };
         Span::new(one.min(two), one.max(two), 0)
     }
 
@@ -79,9 +83,15 @@ mod tests {
 
     #[test]
     fn through_the_middle_and_beside() {
-        assert_eq!(of(UNIT, [-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), Some([2.0, 4.0]));
+        assert_eq!(
+            of(UNIT, [-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            Some([2.0, 4.0])
+        );
         // A direction of length 2 halves t.
-        assert_eq!(of(UNIT, [-3.0, 0.0, 0.0], [2.0, 0.0, 0.0]), Some([1.0, 2.0]));
+        assert_eq!(
+            of(UNIT, [-3.0, 0.0, 0.0], [2.0, 0.0, 0.0]),
+            Some([1.0, 2.0])
+        );
         // At height 0.6 the half chord is 0.8.
         within(
             of(UNIT, [-2.0, 0.0, 0.6], [1.0, 0.0, 0.0]),
@@ -99,9 +109,15 @@ mod tests {
             [-1.5, 0.5],
             1e-15,
         );
-        assert_eq!(of(UNIT, [3.0, 0.0, 0.0], [1.0, 0.0, 0.0]), Some([-4.0, -2.0]));
+        assert_eq!(
+            of(UNIT, [3.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            Some([-4.0, -2.0])
+        );
         // From the surface inwards: exactly 0 and the diameter.
-        assert_eq!(of(UNIT, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]), Some([0.0, 2.0]));
+        assert_eq!(
+            of(UNIT, [-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            Some([0.0, 2.0])
+        );
     }
 
     #[test]
@@ -120,7 +136,11 @@ mod tests {
     fn from_a_million_away() {
         // The textbook discriminant, about 10^24 - 10^24, would be noise.
         let far = [-1e6, 0.0, 0.6];
-        within(of(UNIT, far, [1.0, 0.0, 0.0]), [1e6 - 0.8, 1e6 + 0.8], 3e-10);
+        within(
+            of(UNIT, far, [1.0, 0.0, 0.0]),
+            [1e6 - 0.8, 1e6 + 0.8],
+            3e-10,
+        );
         // Aimed at the point (0.6, 0, 0.8) of the sphere from there.
         let hit = of(UNIT, [-1e6, 0.0, 0.8], [1e6 + 0.6, 0.0, 0.0]).unwrap();
         assert!((hit[1] - 1.0).abs() < 1e-15, "{hit:?}");

@@ -138,7 +138,14 @@ mod tests {
 
     #[test]
     fn edges_and_corners_belong_to_it() {
-        for (x, y) in [(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (2.0, 0.0), (0.0, 1.0), (3.0, 1.0)] {
+        for (x, y) in [
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (0.0, 4.0),
+            (2.0, 0.0),
+            (0.0, 1.0),
+            (3.0, 1.0),
+        ] {
             assert!(of(FLAT, [x, y, 0.0], [0.0, 0.0, 1.0]).is_some(), "{x} {y}");
         }
         assert_eq!(of(FLAT, [-1e-300, 1.0, 0.0], [0.0, 0.0, 1.0]), None);
@@ -146,7 +153,11 @@ mod tests {
 
     #[test]
     fn parallel_and_degenerate() {
-        assert_eq!(of(FLAT, [-1.0, 1.0, 2.0], [1.0, 0.0, 0.0]), None, "in its plane");
+        assert_eq!(
+            of(FLAT, [-1.0, 1.0, 2.0], [1.0, 0.0, 0.0]),
+            None,
+            "in its plane"
+        );
         assert_eq!(of(FLAT, [-1.0, 1.0, 1.0], [1.0, 0.0, 0.0]), None);
         let line = [[0.0, 0.0, 2.0], [1.0, 1.0, 2.0], [3.0, 3.0, 2.0]];
         assert_eq!(of(line, [2.0, 2.0, 0.0], [0.0, 0.0, 1.0]), None);
@@ -201,6 +212,9 @@ mod tests {
             assert!(pierced > 0, "round {round}");
             both += usize::from(pierced > 1);
         }
-        assert!(both > 0, "none was so near an edge that both sides claimed it");
+        assert!(
+            both > 0,
+            "none was so near an edge that both sides claimed it"
+        );
     }
 }

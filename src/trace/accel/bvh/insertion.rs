@@ -160,6 +160,9 @@ mod tests {
         let sizes = children.map(|c| nodes[c as usize].size);
         assert_eq!(sizes.iter().sum::<u32>(), 3);
         let pair = children[if sizes[0] == 2 { 0 } else { 1 }];
-        assert_eq!(nodes[pair as usize].bounds.min.x, 10.0, "10 and 11.5 are together");
+        assert_eq!(
+            nodes[pair as usize].bounds.min.x, 10.0,
+            "10 and 11.5 are together"
+        );
     }
 }

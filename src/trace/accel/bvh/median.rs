@@ -55,7 +55,10 @@ fn widest(boxes: &[Bounds], list: &[u32], slabs: &[DVec3]) -> usize {
 
 /// Least and greatest product of a point of the box with the direction.
 fn slab(b: &Bounds, direction: DVec3) -> (f64, f64) {
-    let (centre, half) = (b.centre().dot(direction), b.size().dot(direction.abs()) * 0.5);
+    let (centre, half) = (
+        b.centre().dot(direction),
+        b.size().dot(direction.abs()) * 0.5,
+    );
     (centre - half, centre + half)
 }
 

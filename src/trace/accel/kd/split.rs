@@ -36,10 +36,7 @@ struct Sorted {
 impl Sorted {
     fn new(list: &[u32], boxes: &[Bounds], axis: usize) -> Self {
         let sorted = |of: fn(&Bounds, usize) -> f64| {
-            let mut all: Vec<f64> = list
-                .iter()
-                .map(|&p| of(&boxes[p as usize], axis))
-                .collect();
+            let mut all: Vec<f64> = list.iter().map(|&p| of(&boxes[p as usize], axis)).collect();
             all.sort_unstable_by(f64::total_cmp);
             all
         };

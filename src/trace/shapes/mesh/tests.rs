@@ -80,7 +80,10 @@ fn a_cube_from_obj() {
     let contact = first(&mesh, &r, None).unwrap();
     assert_eq!(contact.t, 1.0);
     let hit = mesh.hit(&contact);
-    assert_eq!((hit.point, hit.normal), (DVec3::new(-1.0, 0.25, 0.5), DVec3::NEG_X));
+    assert_eq!(
+        (hit.point, hit.normal),
+        (DVec3::new(-1.0, 0.25, 0.5), DVec3::NEG_X)
+    );
     // From inside; behind; beside; along an edge and through a corner.
     let t = |origin, direction| first(&mesh, &ray(origin, direction), None).map(|c| c.t);
     assert_eq!(t([0.0; 3], [0.0, 0.0, -1.0]), Some(1.0));
@@ -210,23 +213,23 @@ fn leaving(normal: DVec3, flattest: f64, random: &mut Pcg64) -> DVec3 {
 fn no_spots_on_convex_meshes() {
     let mut random = Pcg64::seed_from_u64(17);
     for (mesh, flattest) in boxes() {
-            let mut exact = 0;
-            for _ in 0..20_000 {
-                let (part, origin, normal) = somewhere(&mesh, &mut random);
-                let direction = leaving(normal, flattest, &mut random);
-                if !strictly_out(&mesh, part, direction) {
-                    continue;
-                }
-                exact += 1;
-                let start = Start {
-                    primitive: 0,
-                    part,
-                    inwards: false,
-                };
-                let found = first(&mesh, &Ray { origin, direction }, Some(&start));
-                assert_eq!(found, None, "from {origin} on {part} along {direction}");
+        let mut exact = 0;
+        for _ in 0..20_000 {
+            let (part, origin, normal) = somewhere(&mesh, &mut random);
+            let direction = leaving(normal, flattest, &mut random);
+            if !strictly_out(&mesh, part, direction) {
+                continue;
             }
-            assert!(exact > 15_000, "{exact}");
+            exact += 1;
+            let start = Start {
+                primitive: 0,
+                part,
+                inwards: false,
+            };
+            let found = first(&mesh, &Ray { origin, direction }, Some(&start));
+            assert_eq!(found, None, "from {origin} on {part} along {direction}");
+        }
+        assert!(exact > 15_000, "{exact}");
     }
 }
 
@@ -244,26 +247,26 @@ fn strictly_out(mesh: &Mesh, part: u32, direction: DVec3) -> bool {
 fn no_leaks_in_corners() {
     let mut random = Pcg64::seed_from_u64(19);
     for (mesh, flattest) in boxes() {
-            let mut at_once = 0;
-            for _ in 0..20_000 {
-                let (part, origin, normal) = somewhere(&mesh, &mut random);
-                let direction = leaving(-normal, flattest, &mut random);
-                if !strictly_out(&mesh, part, -direction) {
-                    continue;
-                }
-                let start = Start {
-                    primitive: 0,
-                    part,
-                    inwards: true,
-                };
-                let found = first(&mesh, &Ray { origin, direction }, Some(&start));
-                let Some(contact) = found else {
-                    panic!("a ray from {origin} on {part} along {direction} escapes");
-                };
-                assert!(contact.t >= 0.0);
-                at_once += usize::from(contact.t == 0.0);
+        let mut at_once = 0;
+        for _ in 0..20_000 {
+            let (part, origin, normal) = somewhere(&mesh, &mut random);
+            let direction = leaving(-normal, flattest, &mut random);
+            if !strictly_out(&mesh, part, -direction) {
+                continue;
             }
-            assert!(at_once > 0, "no ray began in a corner");
+            let start = Start {
+                primitive: 0,
+                part,
+                inwards: true,
+            };
+            let found = first(&mesh, &Ray { origin, direction }, Some(&start));
+            let Some(contact) = found else {
+                panic!("a ray from {origin} on {part} along {direction} escapes");
+            };
+            assert!(contact.t >= 0.0);
+            at_once += usize::from(contact.t == 0.0);
+        }
+        assert!(at_once > 0, "no ray began in a corner");
     }
 }
 
@@ -292,14 +295,21 @@ fn paths_stay_on_their_side() {
                 };
                 let r = Ray { origin, direction };
                 let Some(contact) = first(&mesh, &r, Some(&start)) else {
-                    assert!(!inwards, "a ray from {origin} on {part} along {direction} escapes");
+                    assert!(
+                        !inwards,
+                        "a ray from {origin} on {part} along {direction} escapes"
+                    );
                     away += 1;
                     break;
                 };
                 let hit = mesh.hit(&contact);
                 let against = hit.normal.dot(direction);
                 assert!(
-                    if inwards { against >= -1e-9 } else { against <= 1e-9 },
+                    if inwards {
+                        against >= -1e-9
+                    } else {
+                        against <= 1e-9
+                    },
                     "round {round}: met the wrong side, {against}, at t {}",
                     contact.t
                 );

@@ -41,7 +41,8 @@ pub fn weights(corners: &[DVec2], point: DVec2) -> Option<Weights> {
             continue;
         }
         let edge = corners[(i + 1) % n] - corners[i];
-        let lambda = cross(corners[i], edge) / cross(point, edge);
+        // The divisor is point × edge, and not 0, since the signs differ.
+        let lambda = cross(corners[i], edge) / (b - a);
         let crossing = (lambda, i, a / (a - b));
         if lambda >= 1.0 {
             beyond += 1;

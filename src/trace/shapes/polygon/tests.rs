@@ -80,7 +80,14 @@ fn an_l_has_an_inner_corner() {
     for (x, y) in [(0.5, 0.5), (2.5, 0.5), (0.5, 2.5), (0.2, 0.9), (0.9, 0.2)] {
         assert!(inside(x, y), "{x} {y}");
     }
-    for (x, y) in [(1.5, 1.5), (2.0, 1.1), (1.1, 2.0), (2.9, 2.9), (-0.1, 0.5), (3.1, 0.5)] {
+    for (x, y) in [
+        (1.5, 1.5),
+        (2.0, 1.1),
+        (1.1, 2.0),
+        (2.9, 2.9),
+        (-0.1, 0.5),
+        (3.1, 0.5),
+    ] {
         assert!(!inside(x, y), "{x} {y}");
     }
     assert_eq!(p.triangles.len(), 4);
@@ -116,7 +123,10 @@ fn normals_and_texture_are_interpolated() {
         };
         let (surface, mixed) = p.surface(DVec3::new(0.5, 1.5, 3.5));
         assert!((surface.uv - DVec2::new(0.25, 0.75)).length() < 1e-15);
-        assert!((mixed - DVec3::new(0.25, 0.0, 0.75)).length() < 1e-15, "{method:?}");
+        assert!(
+            (mixed - DVec3::new(0.25, 0.0, 0.75)).length() < 1e-15,
+            "{method:?}"
+        );
         assert!((surface.point - DVec3::new(0.5, 1.5, 3.5)).length() < 1e-15);
     }
     // By default lengths: along the first edge, whose length is 2√2, and across.
@@ -142,7 +152,13 @@ fn what_is_no_polygon() {
     assert_eq!(error(&bow), PolygonError::Crossing(0, 2));
     let back = [o, [3.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0]];
     assert_eq!(error(&back), PolygonError::Crossing(0, 1));
-    let touching = [o, [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let touching = [
+        o,
+        [4.0, 0.0, 0.0],
+        [4.0, 2.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [0.0, 2.0, 0.0],
+    ];
     assert_eq!(error(&touching), PolygonError::Crossing(0, 2));
     assert_eq!(
         slanted().with_uv(vec![]).unwrap_err(),
@@ -193,7 +209,11 @@ fn both_methods_agree_on_random_polygons() {
                 continue;
             }
             let (one, two) = (p.weights(at), other.weights(at));
-            assert_eq!(one.is_some(), two.is_some(), "round {round}, {edge} from the edge");
+            assert_eq!(
+                one.is_some(),
+                two.is_some(),
+                "round {round}, {edge} from the edge"
+            );
             let (Some(one), Some(two)) = (one, two) else {
                 outside += 1;
                 continue;
