@@ -53,7 +53,8 @@ impl Cone {
         if square < 0.0 && a >= 0.0 {
             return Span::NEVER;
         }
-        let q = -(b + square.max(0.0).sqrt().copysign(b));
+        let half = square.max(0.0).sqrt().copysign(b);
+        let q = -(b + half);
         if q == 0.0 {
             // Through the tip; or along the side's direction in a plane that touches the cone.
             return match a {
@@ -63,11 +64,16 @@ impl Cone {
                 _ => Span::NEVER,
             };
         }
-        let root = c / q;
         if a == 0.0 {
-            return half_line(root, b < 0.0);
+            return half_line(c / q, b < 0.0);
         }
+        // As for the sphere: the better of two formulas for the root that is a difference.
         let other = q / a;
+        let root = if q * q > (out * out + side * side) * a.abs() {
+            c / q
+        } else {
+            (half - b) / a
+        };
         let (first, last) = (root.min(other), root.max(other));
         match a {
             _ if a > 0.0 => Span::new(first, last, 0),

@@ -6,9 +6,10 @@
 //!
 //! Two things keep that accurate for an origin far away (Haines, Günther and Akenine-Möller,
 //! "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019). d0 is the length of
-//! a vector, not |P0 - C|² less a square nearly as large. And only the end of the chord that is
-//! farther from the origin is a sum; the nearer one, a difference that would cancel, is
-//! (|P0 - C|² - r²) / (|D|² times the farther).
+//! a vector, not |P0 - C|² less a square nearly as large. And of the ends of the chord the one farther
+//! from the origin is a sum; the nearer one is a difference, and where that would cancel,
+//! (|P0 - C|² - r²) / (|D|² times the farther). (Where the ray passes beside the middle the difference
+//! is the better one: for a tangent the quotient would be 0/0.)
 
 use std::f64::consts::{PI, TAU};
 
@@ -38,14 +39,14 @@ impl Sphere {
         if rest < 0.0 {
             return Span::NEVER;
         }
+        let half = (rest * square).sqrt().copysign(ahead);
+        let farther = ahead + half;
         let distance = to.length();
-        let product = (distance - self.radius) * (distance + self.radius);
-        let farther = ahead + (rest * square).sqrt().copysign(ahead);
         let one = farther / square;
-        let two = if farther == 0.0 {
-            0.0
+        let two = if farther * farther > distance * distance * square {
+            (distance - self.radius) * (distance + self.radius) / farther
         } else {
-            product / farther
+            (ahead - half) / square
         };
         Span::new(one.min(two), one.max(two), 0)
     }
