@@ -119,13 +119,14 @@ impl BoxTest {
     pub fn interval(&self, b: &Bounds) -> (f64, f64) {
         let one = (b.min - self.low) * self.inverse;
         let two = (b.max - self.high) * self.inverse;
-        let near = less(one.x, two.x)
-            .max(less(one.y, two.y))
-            .max(less(one.z, two.z))
-            .max(0.0);
-        let far = more(one.x, two.x)
-            .min(more(one.y, two.y))
-            .min(more(one.z, two.z));
+        let near = more(
+            more(less(one.x, two.x), less(one.y, two.y)),
+            more(less(one.z, two.z), 0.0),
+        );
+        let far = less(
+            less(more(one.x, two.x), more(one.y, two.y)),
+            more(one.z, two.z),
+        );
         (near, far)
     }
 }

@@ -7,7 +7,7 @@ use crate::trace::accel::bounds::Bounds;
 const LEAF: usize = 4;
 
 /// What passing a node costs, in tests of primitives.
-const PASS: f64 = 0.5;
+const PASS: f64 = 1.5;
 
 /// Part of the cost that is left where one side is empty: rays through it are done at once.
 const EMPTY_SIDE: f64 = 0.8;
