@@ -19,6 +19,7 @@
 //! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt`, inside and outside, portals, point location |
 //! | [`sight`] | chain of portals → stabbing lines | the exact funnel that grows and shrinks with the chain |
 //! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | `sweep` about vertices, depth-first `search`, sectors, the file format, `verify` |
+//! | [`trace`] | `Level` + `CellGraph` + `Pvs` → image | rays, shapes, acceleration structures; floating point begins here |
 //! | [`report`] | results → people | JSON, pictures of the plan |
 //! | [`study`] | results → people | what accuracy costs in time |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |

@@ -3,6 +3,7 @@
 //! Floating point starts here. Coordinates are f64 in the level's own unit: x right, y up on the
 //! plan, z up; right-handed. Rays need not have unit direction: `t` counts in multiples of it.
 
+pub mod accel;
 pub mod beam;
 mod brute;
 pub mod camera;
@@ -10,6 +11,7 @@ pub mod cast;
 pub mod light;
 pub mod ray;
 pub mod sampling;
+pub mod shapes;
 pub mod space;
 
 pub use cast::{Met, Place, walk};

@@ -1,4 +1,4 @@
-//! Rays, and what they meet.
+//! Rays, and where they start.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 pub struct Ray {
     /// Where it starts.
     pub origin: DVec3,
-    /// Where it goes; not zero, of any length.
+    /// Where it goes; of any length between 10^-100 and 10^100.
     pub direction: DVec3,
 }
 
@@ -26,6 +26,8 @@ impl Ray {
 pub struct Start {
     /// The primitive on whose surface the origin lies.
     pub primitive: u32,
-    /// Whether the ray goes into the primitive.
+    /// Which part of it: the triangle of a mesh, the face of a solid.
+    pub part: u32,
+    /// Whether the ray goes into the primitive, that is against the geometric normal.
     pub inwards: bool,
 }
