@@ -1,1 +1,3 @@
-//! What accuracy costs in time.
+//! What accuracy costs in time, and where it is lost.
+
+pub mod stability;
