@@ -39,10 +39,11 @@ fn room_of_10000_edges() -> String {
 #
 # Made by tests/enfilade/generated.rs. The lower wall passes (0, 0), (1, 1), (2, 0), (3, 1) and so on, the
 # upper one runs 0.9 above it. So at odd x a line is above 1, at even x below 0.9, and it cannot be above,
-# below and above again: one sees past two teeth, but not past three. The line from (0.5, 1.15) to
-# (2.5, 0.75) is at 1.05 at x = 1 and at 0.85 at x = 2.
-# hidden: 0.5,0.9 -> 3.5,0.9
-# hidden: 2499.5,0.9 -> 2502.5,1
+# below and above again: one sees past two teeth, but not past three. (A cell at x = 0.5 may reach past the
+# tooth at 1, but from y = 0.9 not past that at 2.) The line from (0.5, 1.15) to (2.5, 0.75) is at 1.05 at
+# x = 1 and at 0.85 at x = 2.
+# hidden: 0.5,0.9 -> 5.5,0.9
+# hidden: 2499.5,0.9 -> 2504.5,1
 # hidden: 0.5,1 -> 4998.5,1
 # sees: 0.5,1.15 -> 2.5,0.75
 # sees: 4000.5,1.15 -> 4002.5,0.75
@@ -186,10 +187,10 @@ fn at_scale(exponent: i32) -> String {
 # One level at three scales, with one truth: {words}.
 #
 # Made by tests/enfilade/generated.rs; {other}. In the sizes of scale-1: north
-# of the wall y = 8 stand walls at x = 16, 32 and 48 with gaps from y = 10 to 14, 12 to 16 and 22 to 26.
+# of the wall y = 8 stand walls at x = 16, 32 and 48 with openings from y = 10 to 14, 12 to 16 and 22 to 26.
 # The ends (16, 10), (32, 16) and (48, 22) lie on one line, and a line would pass above, below and above
-# it. The first two gaps it passes: from (8, 12) to (40, 16) at 13 and at 15. South of the wall stand
-# walls at x = 20, 40 and 50 with gaps from y = 2 to 4: the line from (10, 2) to (60, 4) passes at 2.4,
+# it. The first two it passes: from (8, 12) to (40, 16) at 13 and at 15. South of the wall stand
+# walls at x = 20, 40 and 50 with openings from y = 2 to 4: the line from (10, 2) to (60, 4) passes at 2.4,
 # 3.2 and 3.6.
 # hidden: {}
 # sees: {}
@@ -201,24 +202,23 @@ fn at_scale(exponent: i32) -> String {
         arrow([10, 2], [60, 4]),
         arrow([10, 2], [56, 24]),
     );
-    let mut wall = |list: &[[i64; 2]], closed: bool| {
+    let mut put = |what: &str, list: &[[i64; 2]], closed: bool| {
         let list: Vec<String> = (numbers(list).iter())
             .map(|p| format!("[{}, {}]", p[0], p[1]))
             .collect();
-        _ = write!(out, "\n[[wall]]\npoints = [{}]\n", list.join(", "));
+        _ = write!(out, "\n[[{what}]]\npoints = [{}]\n", list.join(", "));
         if closed {
             out += "closed = true\n";
         }
     };
-    wall(&[[0, 0], [64, 0], [64, 32], [0, 32]], true);
-    wall(&[[0, 8], [64, 8]], false);
-    for (x, low, high) in [(16, 10, 14), (32, 12, 16), (48, 22, 26)] {
-        wall(&[[x, 8], [x, low]], false);
-        wall(&[[x, high], [x, 32]], false);
-    }
-    for x in [20, 40, 50] {
-        wall(&[[x, 0], [x, 2]], false);
-        wall(&[[x, 4], [x, 8]], false);
+    put("wall", &[[0, 0], [64, 0], [64, 32], [0, 32]], true);
+    put("wall", &[[0, 8], [64, 8]], false);
+    let gaps = [(16, 10, 14), (32, 12, 16), (48, 22, 26)];
+    let gaps = gaps.into_iter().chain([20, 40, 50].map(|x| (x, 2, 4)));
+    for (x, low, high) in gaps {
+        let [from, to] = if high > 8 { [8, 32] } else { [0, 8] };
+        put("wall", &[[x, from], [x, to]], false);
+        put("archway", &[[x, low], [x, high]], false);
     }
     out
 }
