@@ -3,10 +3,12 @@
 
 mod compare;
 mod plan;
+mod random;
 mod reference;
 mod sightline;
 
 mod agree;
+mod bulk;
 mod cli;
 mod generated;
 mod hard;
