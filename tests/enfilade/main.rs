@@ -16,4 +16,5 @@ mod property;
 mod readers;
 mod readme;
 mod regression;
+mod stability;
 mod tidy;
