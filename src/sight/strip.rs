@@ -147,7 +147,7 @@ impl Strip {
         // of the bound. At the strip's borders the value is half of `across`, which is off by at
         // most the bound. Between grid points nothing is rounded.
         if across > 4.0 * vertices.bound() {
-            let line = Witness::through(normal, (l + r) / 2.0, slack);
+            let line = Witness::through(normal, (l + r) / 2.0, 0.0, slack);
             return line.expect("a strip of some width has a direction");
         }
         self.exact_middle(vertices, slack)

@@ -383,6 +383,17 @@ fn wander(vertices: &Vertices, length: usize, random: &mut Pcg64Mcg) -> Vec<Gate
     chain
 }
 
+/// Gates that need be no chain.
+fn any_gates(vertices: &Vertices, length: usize, random: &mut Pcg64Mcg) -> Vec<Gate> {
+    let n = vertices.len() as u32;
+    let mut end = || VertexId(random.random_range(0..n));
+    let mut gate = || Gate {
+        left: end(),
+        right: end(),
+    };
+    (0..length).map(|_| gate()).collect()
+}
+
 #[test]
 fn random_chains_agree_with_brute_force() {
     let mut random = Pcg64Mcg::seed_from_u64(3);
@@ -406,14 +417,7 @@ fn random_chains_agree_with_brute_force() {
             );
             [&mut blocked, &mut stabbed][usize::from(open)][kind] += 1;
             // Any gates at all, such as those of no cells.
-            let n = vertices.len() as u32;
-            let mut end = || VertexId(random.random_range(0..n));
-            let gates: Vec<Gate> = (0..length)
-                .map(|_| Gate {
-                    left: end(),
-                    right: end(),
-                })
-                .collect();
+            let gates = any_gates(&vertices, length, &mut random);
             let open = checked(&vertices, &gates);
             assert_eq!(open, !Reference::new(&vertices, &gates).contradicts());
             loose[usize::from(open)] += 1;
@@ -427,4 +431,56 @@ fn random_chains_agree_with_brute_force() {
             .chain(&loose)
             .all(|n| *n > 1000)
     );
+}
+
+#[test]
+fn the_linear_programme_agrees_where_there_is_room() {
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    let (mut roomy, mut blocked, mut proofs, mut wrong) = (0, 0, 0, 0);
+    for round in 0..2000 {
+        let kind = KINDS[round % KINDS.len()];
+        let vertices = pool(kind, 12, &mut random);
+        for loose in [false, true].repeat(10) {
+            let length = random.random_range(1..=6);
+            let chain = if loose {
+                any_gates(&vertices, length, &mut random)
+            } else {
+                wander(&vertices, length, &mut random)
+            };
+            if chain.is_empty() {
+                continue;
+            }
+            let exact = slack(&vertices, &chain);
+            let place = |v| vertices.approx(v);
+            let ends = || chain.iter().flat_map(|g| [place(g.left), place(g.right)]);
+            let low = ends().reduce(glam::DVec2::min).unwrap();
+            let high = ends().reduce(glam::DVec2::max).unwrap();
+            let size = (high - low).max_element();
+            match (lp::stab(&vertices, &chain), exact) {
+                (Stabbing::Line(line), Some(exact)) if exact.width > 1e-8 * size => {
+                    assert!(line.stabs(&vertices, &chain), "{chain:?}");
+                    assert!(line.slack <= exact.width * (1.0 + 1e-6), "{chain:?}");
+                    roomy += 1;
+                }
+                (Stabbing::Line(_), None) => {
+                    // Only where it grazes.
+                    assert!(lp::margin(&vertices, &chain).unwrap() < 1e-7, "{chain:?}");
+                    wrong += 1;
+                }
+                (Stabbing::None(why), None) => {
+                    blocked += 1;
+                    proofs += u32::from(why.holds(&vertices, &chain));
+                }
+                (Stabbing::None(_), Some(exact)) => {
+                    assert!(exact.width <= 1e-8 * size, "{} of {size}", exact.width);
+                }
+                _ => {}
+            }
+        }
+    }
+    println!("{roomy} lines, {blocked} blocked, of them {proofs} with proof, {wrong} wrong");
+    assert!(roomy > 10_000 && blocked > 5_000);
+    // Grazing is where it errs, and seldom is its contradiction none.
+    assert!(wrong > 0 && wrong < blocked / 20);
+    assert!(proofs > blocked - blocked / 100);
 }
