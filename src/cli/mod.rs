@@ -11,6 +11,7 @@ mod level_args;
 mod output;
 mod plan;
 mod progress;
+mod study;
 mod summary;
 mod verify;
 
@@ -34,6 +35,7 @@ enum Command {
     Export(export::ExportArgs),
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
+    Study(study::StudyArgs),
 }
 
 /// What a command that ran to its end has to say.
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Study(args) => study::run(&args),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,
