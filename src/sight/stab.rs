@@ -90,10 +90,10 @@ impl Witness {
         let ([a, b], n_power) = dyadic([n.x, n.y]);
         let ([x, y], at_power) = dyadic([at.x, at.y]);
         let ([value], value_power) = dyadic([value]);
-        let moved = &a * x + &b * y;
         let moved_power = n_power + at_power;
         let least = n_power.min(moved_power).min(value_power);
         let to_least = |number: IBig, power: i32| number << (power - least) as usize;
+        let moved = &a * x + &b * y;
         Some(Self {
             a: to_least(a, n_power),
             b: to_least(b, n_power),
