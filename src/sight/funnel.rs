@@ -298,7 +298,15 @@ impl Funnel {
         } else {
             self.next_seen(vertices, start, &right)
         };
-        let left_seen = self.next_seen(vertices, right_seen, &left);
+        let left_seen = if left.id == last.left {
+            // It bounds the lines already.
+            Seen {
+                inside_left: self.lines.is_empty(),
+                inside_right: true,
+            }
+        } else {
+            self.next_seen(vertices, right_seen, &left)
+        };
         self.extend(vertices, (left, left_seen), (right, right_seen))
     }
 
@@ -345,6 +353,16 @@ impl Funnel {
     /// through them turns right in each.
     pub fn right_bounds(&self) -> &[Placed] {
         self.right.bounds()
+    }
+
+    /// Whether all stabbing lines lead left (towards smaller x) by at least a grid step between the
+    /// vertices that bound them; never true without being certain, as copies are off by far less.
+    #[inline]
+    pub fn leads_left(&self) -> bool {
+        let left = |line: &Through| line.to.at.x - line.from.at.x <= -1.0;
+        self.lines
+            .last()
+            .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.
