@@ -121,6 +121,14 @@ impl<'a> Inquiry<'a> {
         }
     }
 
+    /// The clash that blocked the chain asked about last, if it did so alone.
+    pub fn only_clash(&self) -> Option<Clash> {
+        match &self.forms[..] {
+            [form] => Some(form.clash),
+            _ => None,
+        }
+    }
+
     /// Tries the line in the middle of a piece: a line in space above it that provably passes, or
     /// a clash. `None` where rounding leaves the answer open.
     fn try_line(&mut self, chain: &[Gate], piece: &Piece) -> Option<Result<Sightline, Clash>> {

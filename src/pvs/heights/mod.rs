@@ -32,6 +32,7 @@ mod corners;
 mod sightline;
 mod upright;
 mod walk;
+mod witness;
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -39,6 +40,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use self::walk::{Found, OpenMesh, Visitor, Walk};
+pub use self::witness::{ChainAnswer, HeightsAnswer, Passage, through, witness};
 use super::{BitMatrix, Class, Method, Progress, Pvs, sweep};
 use crate::cells::{CellGraph, CellId};
 

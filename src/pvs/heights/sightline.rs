@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::chain::Gate;
+use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{Interval, Vertices};
 
 /// A straight line through two points in space: on the plan in grid steps, in height in the level's
@@ -65,5 +66,24 @@ impl Sightline {
         );
         let z = z + (-at_from).over_positive(ahead) * rise;
         gate.bottom < z.lo && z.hi < gate.top
+    }
+
+    /// The line from its other end.
+    pub fn reversed(&self) -> Self {
+        Self {
+            from: self.to,
+            to: self.from,
+        }
+    }
+
+    /// Whether the line certainly starts inside the cell, on the plan.
+    pub fn starts_inside(&self, graph: &CellGraph, cell: CellId) -> bool {
+        let error = graph.vertices.error();
+        let point = (self.from.truncate(), 0.0);
+        let vertex = |v| (graph.vertices.approx(v), error);
+        graph.edge_range(cell).map(EdgeId).all(|e| {
+            let (p, q) = (vertex(graph.edge(e).origin), vertex(graph.end(e)));
+            Span::new(p, q).cross(Span::new(p, point)).is_positive()
+        })
     }
 }

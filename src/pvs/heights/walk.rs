@@ -36,6 +36,31 @@ impl<'a> OpenMesh<'a> {
             openings,
         }
     }
+
+    /// Heights that are certainly inside the cell, floor and ceiling moved out of the way: those of
+    /// all its openings, and what lies between them.
+    pub fn span(&self, cell: CellId) -> (f64, f64) {
+        let openings = self.flat.graph.edge_range(cell).filter_map(|e| {
+            let (bottom, top) = self.openings[e as usize];
+            (self.flat.edge(e).twin != WALL && bottom < top).then_some((bottom, top))
+        });
+        openings.fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(low, high), (bottom, top)| (low.min(bottom), high.max(top)),
+        )
+    }
+
+    /// The portal as somebody sees it who leaves a cell through this edge.
+    pub fn gate(&self, edge: u32) -> Gate {
+        let out = self.flat.edge(edge);
+        let (bottom, top) = self.openings[edge as usize];
+        Gate {
+            left: out.end,
+            right: self.flat.edge(out.twin).end,
+            bottom,
+            top,
+        }
+    }
 }
 
 /// A gate of the current chain, with what is known of the chain up to it.
