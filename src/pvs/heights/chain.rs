@@ -6,16 +6,18 @@
 //!
 //! The lines of the plan are a convex polygon ([`super::corners`]). One line from its middle is
 //! tried: along it the question is one of the plane ([`super::upright`]), and is answered by a line
-//! through all openings or by three that clash. What the clash says of the whole polygon, its form
-//! tells ([`super::clash`]); where that does not stop all lines, the polygon is cut into triangles
-//! and these are halved, until each is stopped by one of the clashes found so far.
+//! through all openings or by openings that clash. What a clash says of the whole polygon, its form
+//! tells ([`super::clash`]): it may stop all lines, or show where there is still hope and another
+//! line is to be tried. Where neither helps, the polygon is cut into triangles, and these are
+//! halved, until each is stopped by one of the clashes found so far.
 
 use glam::DVec2;
+use smallvec::SmallVec;
 
 use super::clash::Form;
 use super::corners::Corners;
 use super::sightline::Sightline;
-use super::upright::{Clash, Slope, Slot, Upright};
+use super::upright::{Clash, Slot, Upright};
 use crate::geom::{Interval, Placed, Vertices};
 use crate::sight::funnel::Funnel;
 
@@ -40,21 +42,27 @@ pub(super) enum Verdict {
     Open,
 }
 
-/// A part of the polygon of lines.
-#[derive(Clone, Copy)]
-enum Piece {
-    Whole,
-    /// A triangle within the one of the polygon's corners 0, `fan` and `fan + 1`: each of its
-    /// corners as a sum of those three.
-    Triangle {
-        fan: usize,
-        corners: [[f64; 3]; 3],
-        depth: u32,
-    },
+/// A line of the plan as a sum of the polygon's corners, with these weights.
+type Weights = SmallVec<[f64; 8]>;
+
+/// A convex part of the polygon of lines, by its corners in order around it.
+struct Piece {
+    corners: SmallVec<[Weights; 4]>,
+    /// How often it was halved.
+    depth: u32,
 }
 
 /// Deepest halving: up to here the weights are exact.
 const DEEPEST: u32 = 40;
+
+/// Lines tried in one piece.
+const MOST_TRIES: usize = 3;
+
+/// Clashes along one line that are looked at, the worst ones.
+const MOST_CLASHES: usize = 4;
+
+/// How near the most hopeful corner of a piece lines are tried, if not in its middle.
+const NEARNESS: [f64; 4] = [0.5, 0.25, 0.0625, 0.015_625];
 
 /// Answers for one chain after the other.
 pub(super) struct Inquiry<'a> {
@@ -92,27 +100,16 @@ impl<'a> Inquiry<'a> {
         self.forms.clear();
         self.pieces.clear();
         self.stuck = false;
-        self.pieces.push(Piece::Whole);
+        self.pieces.push(Piece::whole(self.corners.list.len()));
         for _ in 0..splits {
             let Some(piece) = self.pieces.pop() else {
                 break;
             };
-            if self.forms.iter().any(|form| stops(form, &piece)) {
-                continue;
+            match self.examine(chain, &piece) {
+                Verdict::Passes(sightline) => return Verdict::Passes(sightline),
+                Verdict::Blocked => {}
+                Verdict::Open => self.split(&piece),
             }
-            match self.try_line(chain, &piece) {
-                Some(Ok(sightline)) => return Verdict::Passes(sightline),
-                Some(Err(clash)) if self.forms.iter().all(|form| form.clash != clash) => {
-                    let form = Form::new(self.vertices, &self.corners, chain, clash);
-                    let done = stops(&form, &piece);
-                    self.forms.push(form);
-                    if done {
-                        continue;
-                    }
-                }
-                _ => {}
-            }
-            self.split(piece);
         }
         if self.pieces.is_empty() && !self.stuck {
             Verdict::Blocked
@@ -123,30 +120,69 @@ impl<'a> Inquiry<'a> {
 
     /// The clash that blocked the chain asked about last, if it did so alone.
     pub fn only_clash(&self) -> Option<Clash> {
-        match &self.forms[..] {
-            [form] => Some(form.clash),
-            _ => None,
-        }
+        self.forms
+            .iter()
+            .find(|form| form.stops_all())
+            .map(|form| form.clash)
     }
 
-    /// Tries the line in the middle of a piece: a line in space above it that provably passes, or
-    /// a clash. `None` where rounding leaves the answer open.
-    fn try_line(&mut self, chain: &[Gate], piece: &Piece) -> Option<Result<Sightline, Clash>> {
-        let mut line = [0.0; 3];
-        let mut add = |corner: usize, weight: f64| {
-            for (sum, part) in line.iter_mut().zip(self.corners.list[corner].line) {
-                *sum += weight * part;
+    /// What can be said of a piece without splitting it.
+    fn examine(&mut self, chain: &[Gate], piece: &Piece) -> Verdict {
+        if self.forms.iter().any(|form| form.stops(piece)) {
+            return Verdict::Blocked;
+        }
+        for _ in 0..MOST_TRIES {
+            let Some(weights) = self.most_hopeful(piece) else {
+                break;
+            };
+            if let Some(sightline) = self.try_line(chain, &weights) {
+                return Verdict::Passes(sightline);
             }
-        };
-        match *piece {
-            Piece::Whole => (0..self.corners.list.len()).for_each(|corner| add(corner, 1.0)),
-            Piece::Triangle { fan, corners, .. } => {
-                for (k, corner) in [0, fan, fan + 1].into_iter().enumerate() {
-                    add(corner, corners.iter().map(|weights| weights[k]).sum());
+            let known = self.forms.len();
+            for clash in self.upright.clashes().take(MOST_CLASHES) {
+                if self.forms.iter().any(|form| form.clash == clash) {
+                    continue;
+                }
+                let form = Form::new(self.vertices, &self.corners, chain, clash);
+                let stops = form.stops(piece);
+                self.forms.push(form);
+                if stops {
+                    return Verdict::Blocked;
                 }
             }
+            if self.forms.len() == known {
+                break;
+            }
         }
-        let [a, b, c] = line;
+        Verdict::Open
+    }
+
+    /// The line to be tried in a piece: the one in its middle, or if a clash is known there, one as
+    /// near to it as no known clash forbids, on the way from the corner that is the farthest from
+    /// all clashes.
+    fn most_hopeful(&self, piece: &Piece) -> Option<Weights> {
+        let hope = |line: &Weights| {
+            let values = self.forms.iter().map(|form| form.near(line));
+            values.fold(f64::INFINITY, f64::min)
+        };
+        let middle = piece.middle();
+        if hope(&middle) > 0.0 {
+            return Some(middle);
+        }
+        let corner = piece
+            .corners
+            .iter()
+            .max_by(|p, q| hope(p).total_cmp(&hope(q)))?;
+        NEARNESS.iter().find_map(|share| {
+            let mix = |(c, m): (&f64, &f64)| c * (1.0 - share) + m * share;
+            let line: Weights = corner.iter().zip(&middle).map(mix).collect();
+            (hope(&line) > 0.0).then_some(line)
+        })
+    }
+
+    /// Tries a line of the plan: a line in space above it that provably passes.
+    fn try_line(&mut self, chain: &[Gate], weights: &Weights) -> Option<Sightline> {
+        let [a, b, c] = self.corners.sum(weights);
         let squared = a * a + b * b;
         let way = DVec2::new(b, -a) / squared.sqrt();
         let base = DVec2::new(a, b) * (-c / squared);
@@ -161,9 +197,6 @@ impl<'a> Inquiry<'a> {
             }
             ends[1] = s;
             if gate.top < f64::INFINITY {
-                if self.slots.last().is_some_and(|before| !(before.s < s)) {
-                    return None;
-                }
                 self.slots.push(Slot {
                     gate: number,
                     s,
@@ -172,89 +205,100 @@ impl<'a> Inquiry<'a> {
                 });
             }
         }
-        let slope: Slope = match self.upright.pass(&self.slots) {
-            Ok(slope) => slope,
-            Err(clash) => return Some(Err(clash)),
-        };
+        let slope = self.upright.pass(&self.slots)?;
         let at = |s: f64| (self.corners.origin + base + way * s).extend(slope.at(s));
         let sightline = Sightline {
             from: at(ends[0]),
             to: at(ends[1]),
         };
-        let proved = chain
-            .iter()
-            .all(|gate| sightline.clears(self.vertices, gate));
-        proved.then_some(Ok(sightline))
+        let mut gates = chain.iter();
+        gates
+            .all(|gate| sightline.clears(self.vertices, gate))
+            .then_some(sightline)
     }
 
     /// Puts the parts of a piece on the stack.
-    fn split(&mut self, piece: Piece) {
-        let Piece::Triangle {
-            fan,
-            corners,
-            depth,
-        } = piece
-        else {
-            let whole = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-            let triangle = |fan| Piece::Triangle {
-                fan,
-                corners: whole,
-                depth: 0,
-            };
-            self.pieces
-                .extend((1..self.corners.list.len() - 1).map(triangle));
+    fn split(&mut self, piece: &Piece) {
+        if let [first, .., _] = &piece.corners[..]
+            && piece.corners.len() > 3
+        {
+            let triangles = piece.corners[1..].windows(2).map(|pair| Piece {
+                corners: [first, &pair[0], &pair[1]].into_iter().cloned().collect(),
+                depth: piece.depth,
+            });
+            self.pieces.extend(triangles);
             return;
-        };
-        if depth == DEEPEST {
+        }
+        if piece.depth == DEEPEST {
             self.stuck = true;
             return;
         }
-        let lines = [0, fan, fan + 1].map(|k| self.corners.list[k].line);
-        let line = |weights: [f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|axis| (0..3).map(|k| weights[k] * lines[k][axis]).sum())
-        };
-        let lines = corners.map(line);
-        let size = {
-            let corner = |gate: &super::corners::Corner| gate.from.at.distance(gate.to.at);
-            self.corners.list.iter().map(corner).fold(0.0, f64::max)
-        };
-        let length = |i: usize| {
-            let (p, q) = (lines[i], lines[(i + 1) % 3]);
-            let turn = DVec2::new(q[0] - p[0], q[1] - p[1]).length() * size;
-            turn.max((q[2] - p[2]).abs())
-        };
+        let lines: SmallVec<[[f64; 3]; 3]> =
+            piece.corners.iter().map(|c| self.corners.sum(c)).collect();
+        let length = |i: usize| self.corners.distance(lines[i], lines[(i + 1) % 3]);
         let longest = (0..3)
             .max_by(|&i, &j| length(i).total_cmp(&length(j)))
             .unwrap_or(0);
-        let (p, q) = (longest, (longest + 1) % 3);
-        let middle = std::array::from_fn(|k| (corners[p][k] + corners[q][k]) / 2.0);
-        for replaced in [p, q] {
-            let mut half = corners;
-            half[replaced] = middle;
-            self.pieces.push(Piece::Triangle {
-                fan,
-                corners: half,
-                depth: depth + 1,
+        let ends = [longest, (longest + 1) % 3];
+        let [p, q] = ends.map(|i| &piece.corners[i]);
+        let middle: Weights = p.iter().zip(q).map(|(p, q)| (p + q) / 2.0).collect();
+        for replaced in ends {
+            let mut corners = piece.corners.clone();
+            corners[replaced] = middle.clone();
+            self.pieces.push(Piece {
+                corners,
+                depth: piece.depth + 1,
             });
         }
     }
 }
 
-/// Whether a clash stops all lines of a piece.
-fn stops(form: &Form, piece: &Piece) -> bool {
-    let Piece::Triangle { fan, corners, .. } = *piece else {
-        return form.stops_all();
-    };
-    let base = [0, fan, fan + 1];
-    let polar = |p: &[f64; 3], q: &[f64; 3]| {
+impl Piece {
+    /// The whole polygon with so many corners.
+    fn whole(n: usize) -> Self {
+        let corner = |i: usize| (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
+        Self {
+            corners: (0..n).map(corner).collect(),
+            depth: 0,
+        }
+    }
+
+    fn middle(&self) -> Weights {
+        let n = self.corners.len() as f64;
+        let sum = |k: usize| self.corners.iter().map(|c| c[k]).sum::<f64>() / n;
+        (0..self.corners[0].len()).map(sum).collect()
+    }
+}
+
+impl Form {
+    /// Whether the clash stops all lines of a piece.
+    fn stops(&self, piece: &Piece) -> bool {
+        let corners = &piece.corners;
+        let stopped = |i: usize, j: usize| self.between(&corners[i], &corners[j]).is_at_most_zero();
+        (0..corners.len()).all(|i| (i..corners.len()).all(|j| stopped(i, j)))
+    }
+
+    /// The polar form of two lines.
+    fn between(&self, p: &Weights, q: &Weights) -> Interval {
         let mut sum = Interval::ZERO;
         for (i, &weight) in p.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             for (j, &other) in q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
                 let weight = Interval::point(weight) * Interval::point(other);
-                sum = sum + form.polar(base[i], base[j]) * weight;
+                sum = sum + self.polar(i, j) * weight;
             }
         }
         sum
-    };
-    (0..3).all(|i| (i..3).all(|j| polar(&corners[i], &corners[j]).is_at_most_zero()))
+    }
+
+    /// The form of a line, about, as a share of its largest value.
+    fn near(&self, line: &Weights) -> f64 {
+        let mut sum = 0.0;
+        for (i, weight) in line.iter().enumerate() {
+            for (j, other) in line.iter().enumerate() {
+                let value = self.polar(i, j);
+                sum += weight * other * (value.lo + value.hi);
+            }
+        }
+        sum / self.largest()
+    }
 }

@@ -104,6 +104,12 @@ impl Form {
         self.values[p * self.n + q]
     }
 
+    /// The largest value among the corners, of either sign.
+    pub fn largest(&self) -> f64 {
+        let values = self.values.iter().map(|v| v.hi.abs().max(v.lo.abs()));
+        values.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
     /// Whether no line of the whole polygon passes.
     pub fn stops_all(&self) -> bool {
         self.values.iter().all(|v| v.is_at_most_zero())

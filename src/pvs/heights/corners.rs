@@ -28,6 +28,8 @@ pub(super) struct Corner {
 pub(super) struct Corners {
     pub origin: DVec2,
     pub list: SmallVec<[Corner; 8]>,
+    /// Distance of the farthest two vertices on one line.
+    size: f64,
 }
 
 /// How a corner's line meets one portal of the chain.
@@ -56,8 +58,7 @@ impl Corners {
         self.list.clear();
         self.list.extend(funnel.corners().map(|[from, to]| {
             let d = to.at - from.at;
-            let (_, exponent) = split(d.x.abs().max(d.y.abs()));
-            let scale = 2f64.powi(-exponent);
+            let scale = 1.0 / power_below(d.x.abs().max(d.y.abs()));
             let (a, b) = (-d.y * scale, d.x * scale);
             let at = from.at - origin;
             Corner {
@@ -67,13 +68,32 @@ impl Corners {
                 line: [a, b, -(a * at.x + b * at.y)],
             }
         }));
+        let length = |corner: &Corner| corner.from.at.distance(corner.to.at);
+        self.size = self.list.iter().map(length).fold(0.0, f64::max);
+    }
+
+    /// The sum of the corners' lines with these weights.
+    pub fn sum(&self, weights: &[f64]) -> [f64; 3] {
+        let mut line = [0.0; 3];
+        for (corner, weight) in self.list.iter().zip(weights) {
+            for (sum, part) in line.iter_mut().zip(corner.line) {
+                *sum += weight * part;
+            }
+        }
+        line
+    }
+
+    /// How far two lines are from each other somewhere along the chain, about.
+    pub fn distance(&self, p: [f64; 3], q: [f64; 3]) -> f64 {
+        let turn = DVec2::new(q[0] - p[0], q[1] - p[1]).length();
+        (turn * self.size).max((q[2] - p[2]).abs())
     }
 }
 
-/// The number as mantissa in [1, 2) and exponent.
-fn split(x: f64) -> (f64, i32) {
-    let exponent = ((x.to_bits() >> 52 & 0x7ff) as i32 - 1023).clamp(-900, 900);
-    (x * 2f64.powi(-exponent), exponent)
+/// The largest power of two not above a number of any size that lengths on the grid have.
+fn power_below(x: f64) -> f64 {
+    let exponent = (x.to_bits() >> 52 & 0x7ff) as i32 - 1023;
+    2f64.powi(exponent.clamp(-100, 100))
 }
 
 impl Corner {

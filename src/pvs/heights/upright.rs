@@ -106,22 +106,32 @@ impl Hull {
 pub(super) struct Upright {
     tops: Hull,
     bottoms: Hull,
+    /// The clashes of the last question, each with the height by which it fails.
+    clashes: Vec<(f64, Clash)>,
 }
 
 impl Upright {
-    /// A line through all slots, which stand one behind the other.
-    pub fn pass(&mut self, slots: &[Slot]) -> Result<Slope, Clash> {
+    /// Why the last question's answer was none: a clash for every slot that the lines through those
+    /// before it miss (such slots left out), the worst one first.
+    pub fn clashes(&mut self) -> impl Iterator<Item = Clash> + '_ {
+        self.clashes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.clashes.iter().map(|(_, clash)| *clash)
+    }
+
+    /// A line through all slots, which stand one behind the other, if there is one.
+    pub fn pass(&mut self, slots: &[Slot]) -> Option<Slope> {
+        self.clashes.clear();
         let low = |slot: &Slot| ([slot.s, slot.bottom], slot.gate);
         let high = |slot: &Slot| ([slot.s, slot.top], slot.gate);
         let (first, second) = match slots {
             [] => {
-                return Ok(Slope {
+                return Some(Slope {
                     rise: 0.0,
                     base: 0.0,
                 });
             }
             [one] => {
-                return Ok(Slope {
+                return Some(Slope {
                     rise: 0.0,
                     base: (one.bottom + one.top) / 2.0,
                 });
@@ -139,16 +149,20 @@ impl Upright {
             let highest = Slope::through(steep.0.0, steep.1.0).at(slot.s);
             let lowest = Slope::through(flat.0.0, flat.1.0).at(slot.s);
             if slot.bottom >= highest {
-                return Err(Clash {
+                let clash = Clash {
                     gates: [steep.0.1, steep.1.1, slot.gate],
                     dips: true,
-                });
+                };
+                self.clashes.push((slot.bottom - highest, clash));
+                continue;
             }
             if slot.top <= lowest {
-                return Err(Clash {
+                let clash = Clash {
                     gates: [flat.0.1, flat.1.1, slot.gate],
                     dips: false,
-                });
+                };
+                self.clashes.push((lowest - slot.top, clash));
+                continue;
             }
             let (lowers, lifts) = (slot.top < highest, slot.bottom > lowest);
             if lowers {
@@ -165,6 +179,9 @@ impl Upright {
             if lifts {
                 self.bottoms.push(low(slot), false);
             }
+        }
+        if !self.clashes.is_empty() {
+            return None;
         }
         // The lines that pass are a convex polygon, of which these are the corners.
         let corners = [
@@ -185,7 +202,7 @@ impl Upright {
             sum.rise += slope.rise;
             sum.base += slope.base;
         }
-        Ok(Slope {
+        Some(Slope {
             rise: sum.rise / n,
             base: sum.base / n,
         })
