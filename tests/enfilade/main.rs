@@ -12,6 +12,7 @@ mod bulk;
 mod cli;
 mod generated;
 mod hard;
+mod heights;
 mod property;
 mod readers;
 mod readme;
