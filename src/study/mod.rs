@@ -1,1 +1,8 @@
-//! What accuracy costs in time.
+//! What accuracy costs in time: the methods side by side on one level.
+//!
+//! In: a level. Out: results as data and as a page for people. A study neither reads the clock nor
+//! writes files: whoever starts one gives it a [`Bench`](visibility::Bench) to run things on.
+
+mod chart;
+mod page;
+pub mod visibility;

@@ -13,6 +13,7 @@
 //! 4. Cells along random free segments, many of them just past the ends of walls, see each other
 //!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free.
 
+mod caster;
 mod cells;
 mod ground;
 mod sight;
@@ -22,6 +23,8 @@ mod walls;
 mod tests;
 
 use std::fmt;
+
+pub use caster::Caster;
 
 use super::Progress;
 use super::file::{LevelInfo, PvsFile};
