@@ -215,13 +215,23 @@ fn conflict(vertices: &Vertices, funnel: &Funnel, chain: &[Gate]) -> Option<Cont
     let last = |ends: &[Placed]| ends[ends.len() - 1].id;
     // The left end may lie behind the clockwise-most line, which touches the first left end that
     // still matters and the last right end; or the right end behind the counterclockwise-most.
-    let left = behind(vertices, gate.left, first(lefts), last(rights), chain, |gate| {
-        (gate.left, gate.right)
-    });
+    let left = behind(
+        vertices,
+        gate.left,
+        first(lefts),
+        last(rights),
+        chain,
+        |gate| (gate.left, gate.right),
+    );
     left.or_else(|| {
-        let flipped = behind(vertices, gate.right, first(rights), last(lefts), chain, |gate| {
-            (gate.right, gate.left)
-        })?;
+        let flipped = behind(
+            vertices,
+            gate.right,
+            first(rights),
+            last(lefts),
+            chain,
+            |gate| (gate.right, gate.left),
+        )?;
         Some(Contradiction {
             left: flipped.right,
             right: flipped.left,

@@ -108,7 +108,11 @@ impl Log {
     fn ticks(&self, few: usize) -> Vec<f64> {
         let powers = self.from.log10().floor() as i32..=self.to.log10().ceil() as i32;
         let within = |v: &f64| *v >= self.from * 0.999 && *v <= self.to * 1.001;
-        let tens: Vec<f64> = powers.clone().map(|k| 10f64.powi(k)).filter(within).collect();
+        let tens: Vec<f64> = powers
+            .clone()
+            .map(|k| 10f64.powi(k))
+            .filter(within)
+            .collect();
         if tens.len() >= few {
             // At most eight, or their texts run into each other.
             let step = tens.len().div_ceil(8);
@@ -116,6 +120,22 @@ impl Log {
         }
         let finer = |k| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(k));
         powers.flat_map(finer).filter(within).collect()
+    }
+
+    /// The ticks that have room for a text this wide, powers of ten before others.
+    fn named(&self, ticks: &[f64], width: f64) -> Vec<f64> {
+        let is_power = |t: f64| (t.log10() - t.log10().round()).abs() < 0.01;
+        let (powers, others): (Vec<f64>, Vec<f64>) = ticks.iter().partition(|t| is_power(**t));
+        let mut named: Vec<f64> = Vec::new();
+        for tick in powers.into_iter().chain(others) {
+            if named
+                .iter()
+                .all(|n| (self.at(*n) - self.at(tick)).abs() >= width)
+            {
+                named.push(tick);
+            }
+        }
+        named
     }
 }
 
@@ -151,11 +171,14 @@ pub fn draw(chart: &Chart) -> Markup {
     let right = WIDTH - RIGHT;
     let bottom = HEIGHT - BOTTOM;
     let labels = Labels::around(chart, &place, &x);
+    let ticks = x.ticks(3);
     html! {
         svg.chart viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(chart.about) {
             rect.zero x=(LEFT) y=(floor) width=(right - LEFT) height=(BAND) {}
-            @for tick in x.ticks(3) {
-                line.grid x1=(short(x.at(tick))) x2=(short(x.at(tick))) y1=(TOP) y2=(bottom) {}
+            @for tick in &ticks {
+                line.grid x1=(short(x.at(*tick))) x2=(short(x.at(*tick))) y1=(TOP) y2=(bottom) {}
+            }
+            @for tick in x.named(&ticks, 54.0) {
                 text x=(short(x.at(tick))) y=(bottom + 18.0) text-anchor="middle" { (round_duration(tick)) }
             }
             @for tick in y.ticks(2) {
@@ -186,8 +209,8 @@ pub fn draw(chart: &Chart) -> Markup {
                 }
             }
             @for label in labels.placed {
-                text class=(format!("label k-{}", label.key)) x=(short(label.low.0))
-                    y=(short(label.high.1 - 3.5)) { (label.text) }
+                text class=(format!("label k-{}", label.key)) x=(short(label.frame.0.0))
+                    y=(short(label.frame.1.1 - 3.5)) { (label.text) }
             }
         }
     }
@@ -241,12 +264,14 @@ fn round_percent(share: f64) -> String {
     format!("{value:.digits$}\u{202f}%")
 }
 
+/// A rectangle: its upper left and its lower right corner.
+type Frame = ((f64, f64), (f64, f64));
+
 /// A text beside its point.
 struct Label<'a> {
     key: &'static str,
     text: &'a str,
-    low: (f64, f64),
-    high: (f64, f64),
+    frame: Frame,
 }
 
 /// Texts that cover neither points nor each other, as far as that can be had.
@@ -256,77 +281,73 @@ struct Labels<'a> {
 
 impl<'a> Labels<'a> {
     fn around(chart: &'a Chart, place: impl Fn(&Point) -> (f64, f64), x: &Log) -> Self {
-        let dots: Vec<(f64, f64)> = chart
+        // A point with the line from its least time to its greatest.
+        let mark = |p: &Point| -> Frame {
+            let (at, y) = place(p);
+            let [from, to] = p.spread.map(|s| x.at(s));
+            ((from.min(at - DOT), y - DOT), (to.max(at + DOT), y + DOT))
+        };
+        let marks: Vec<Frame> = chart
             .series
             .iter()
-            .flat_map(|s| s.points.iter().map(&place))
+            .flat_map(|s| &s.points)
+            .map(mark)
             .collect();
         let mut labels = Labels { placed: Vec::new() };
         for guide in &chart.guides {
-            let at = (x.at(guide.seconds), TOP + TEXT * 0.75);
-            labels.put(guide.key, &guide.label, at, &dots);
+            let at = (x.at(guide.seconds), TOP + TEXT * 0.7);
+            labels.put(guide.key, &guide.label, (at, at), &marks);
         }
         for series in &chart.series {
             for point in &series.points {
-                labels.put(series.key, &point.label, place(point), &dots);
+                labels.put(series.key, &point.label, mark(point), &marks);
             }
         }
         labels
     }
 
-    /// Puts a text where it covers least, the sooner named the better.
-    fn put(&mut self, key: &'static str, text: &'a str, at: (f64, f64), dots: &[(f64, f64)]) {
+    /// Puts a text beside a mark, where it covers least; the sooner listed the better.
+    fn put(&mut self, key: &'static str, text: &'a str, (from, to): Frame, marks: &[Frame]) {
         if text.is_empty() {
             return;
         }
-        let (width, height) = (text.chars().count() as f64 * TEXT * 0.54, TEXT + 3.0);
-        let (side, up) = (DOT + 4.0, DOT + 2.0);
-        let half = (width / 2.0, height / 2.0);
+        let (width, height) = (text.chars().count() as f64 * TEXT * 0.56, TEXT + 3.0);
+        let ((left, right), (above, below)) = ((from.0 - 4.0, to.0 + 4.0), (from.1, to.1));
+        let (x, y) = ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0);
         let corners = [
-            (side, -half.1),
-            (-side - width, -half.1),
-            (-half.0, -up - height),
-            (-half.0, up),
-            (side - 2.0, -up - height + 3.0),
-            (side - 2.0, up - 3.0),
-            (-side - width + 2.0, -up - height + 3.0),
-            (-side - width + 2.0, up - 3.0),
-            (-half.0, -2.2 * height - up),
-            (-half.0, up + 1.2 * height),
+            (right, y - height / 2.0),
+            (left - width, y - height / 2.0),
+            (x - width / 2.0, above - height),
+            (x - width / 2.0, below),
+            (x, above - height),
+            (x, below),
+            (x - width, above - height),
+            (x - width, below),
+            (x - width / 2.0, above - 2.1 * height),
+            (x - width / 2.0, below + 1.1 * height),
+            (x - width, above - 2.1 * height),
+            (x - width, below + 1.1 * height),
         ];
-        let boxes = corners.map(|(dx, dy)| {
-            let low = (at.0 + dx, at.1 + dy);
-            (low, (low.0 + width, low.1 + height))
-        });
-        let covered = |&(low, high): &((f64, f64), (f64, f64))| {
+        let frames = corners.map(|low| (low, (low.0 + width, low.1 + height)));
+        let covered = |(low, high): &Frame| {
             let out = (LEFT + 2.0 - low.0).max(0.0)
-                + (high.0 - WIDTH).max(0.0)
-                + (TOP - 6.0 - low.1).max(0.0)
+                + (high.0 - WIDTH + 2.0).max(0.0)
+                + (TOP - 8.0 - low.1).max(0.0)
                 + (high.1 - (HEIGHT - BOTTOM)).max(0.0);
-            let over = |low2: (f64, f64), high2: (f64, f64)| {
+            let over = |(low2, high2): &Frame| {
                 let w = high.0.min(high2.0) - low.0.max(low2.0);
                 let h = high.1.min(high2.1) - low.1.max(low2.1);
                 w.max(0.0) * h.max(0.0)
             };
-            let dots = dots.iter().map(|d| {
-                over(
-                    (d.0 - DOT, d.1 - DOT),
-                    (d.0 + DOT, d.1 + DOT),
-                )
-            });
-            let texts = self.placed.iter().map(|l| over(l.low, l.high));
-            out * 40.0 + dots.sum::<f64>() * 3.0 + texts.sum::<f64>()
+            let texts = self.placed.iter().map(|l| over(&l.frame));
+            out * 40.0 + marks.iter().map(over).sum::<f64>() * 3.0 + texts.sum::<f64>()
         };
-        let best = boxes
-            .iter()
+        let best = frames
+            .into_iter()
             .min_by(|a, b| covered(a).total_cmp(&covered(b)));
-        let &(low, high) = best.unwrap_or(&boxes[0]);
-        self.placed.push(Label {
-            key,
-            text,
-            low,
-            high,
-        });
+        if let Some(frame) = best {
+            self.placed.push(Label { key, text, frame });
+        }
     }
 }
 
@@ -412,7 +433,10 @@ mod tests {
             .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
             .collect();
         assert_eq!(heights.len(), 2);
-        assert!(heights[0] > heights[1] && heights[0] < HEIGHT - BOTTOM, "{heights:?}");
+        assert!(
+            heights[0] > heights[1] && heights[0] < HEIGHT - BOTTOM,
+            "{heights:?}"
+        );
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 
@@ -422,7 +446,9 @@ mod tests {
             vec![],
             vec![point("alone", 0.5, 0.0)],
             vec![point("no time", 0.0, 0.5), point("much", 1e4, 80.0)],
-            (0..30).map(|i| point("same", 0.01, 0.1 * f64::from(i % 2))).collect(),
+            (0..30)
+                .map(|i| point("same", 0.01, 0.1 * f64::from(i % 2)))
+                .collect(),
         ] {
             let svg = draw(&chart(points)).into_string();
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");

@@ -1,6 +1,7 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
-//! them need stands in `plan`, `sightline`, `reference` and `compare`.
+//! them need stands in `browser`, `plan`, `sightline`, `reference` and `compare`.
 
+mod browser;
 mod compare;
 mod plan;
 mod reference;
@@ -13,4 +14,5 @@ mod property;
 mod readers;
 mod readme;
 mod regression;
+mod study;
 mod tidy;

@@ -55,13 +55,19 @@ pub struct VisibilityArgs {
 /// Runs `enfilade study visibility`.
 pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
     if !(args.budget > 0.0 && args.budget.is_finite()) {
-        bail!("--budget {} leaves no time; give a number of seconds", args.budget);
+        bail!(
+            "--budget {} leaves no time; give a number of seconds",
+            args.budget
+        );
     }
     let paths = [Some(args.output.as_path()), args.json.as_deref()];
     output::must_differ(paths[0], paths[1])?;
     // Only to find out early whether they can be written: whoever stops the study in the middle
     // shall not find unfinished files.
-    paths.into_iter().flatten().try_for_each(|path| Output::create(path).map(drop))?;
+    paths
+        .into_iter()
+        .flatten()
+        .try_for_each(|path| Output::create(path).map(drop))?;
     let mut desk = Desk {
         start: Instant::now(),
         pool: compute::pool(args.threads)?,
@@ -85,7 +91,10 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
     let line = || status.line(args.budget - start.elapsed().as_secs_f64());
     let study = progress::show_parts(args.quiet, line, || study(&level, &options, &mut desk));
     let Some(study) = study else {
-        bail!("{} has no inside; there is nothing to see in it", level.name);
+        bail!(
+            "{} has no inside; there is nothing to see in it",
+            level.name
+        );
     };
     let mut files = Vec::new();
     let mut html = Output::create(&args.output)?;
@@ -139,7 +148,11 @@ impl Status {
     }
 
     fn line(&self, left: f64) -> String {
-        let (what, progress) = self.now.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let (what, progress) = self
+            .now
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
         let left = left.max(0.0).ceil();
         let total = progress.total.load(Relaxed);
         let part = match (progress.done.load(Relaxed) * 100).checked_div(total) {
@@ -152,7 +165,8 @@ impl Status {
 
 impl Bench for Desk {
     fn next(&mut self, what: &str) {
-        self.status.set(|now| *now = (what.to_string(), Arc::default()));
+        self.status
+            .set(|now| *now = (what.to_string(), Arc::default()));
     }
 
     fn now(&self) -> f64 {
@@ -170,7 +184,9 @@ impl Bench for Desk {
         compute::within(limit, &progress, || self.pool.install(|| work(&progress)));
         let seconds = start.elapsed().as_secs_f64();
         let peak = self.memory.map(|memory| (memory.peak)());
-        let bytes = peak.zip(before).map(|(peak, before)| peak.saturating_sub(before) as u64);
+        let bytes = peak
+            .zip(before)
+            .map(|(peak, before)| peak.saturating_sub(before) as u64);
         Cost {
             seconds,
             bytes,

@@ -16,6 +16,7 @@
 mod caster;
 mod cells;
 mod ground;
+mod pair;
 mod sight;
 mod walls;
 
@@ -24,7 +25,7 @@ mod tests;
 
 use std::fmt;
 
-pub use caster::Caster;
+pub use caster::{Caster, Place};
 
 use super::Progress;
 use super::file::{LevelInfo, PvsFile};

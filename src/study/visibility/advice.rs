@@ -13,7 +13,10 @@ pub(super) fn compared(ratio: f64) -> String {
     match ratio {
         r if r >= 99.5 => {
             let unit = 10f64.powf(r.log10().floor() - 1.0);
-            format!("{} times as long", grouped(((r / unit).round() * unit) as u64))
+            format!(
+                "{} times as long",
+                grouped(((r / unit).round() * unit) as u64)
+            )
         }
         r if r >= 9.95 => format!("{r:.0} times as long"),
         r if r >= 1.25 => format!("{r:.1} times as long"),
@@ -38,12 +41,27 @@ fn part(whole: f64) -> &'static str {
     }
 }
 
+/// A method as the subject of a sentence.
+fn subject(run: &Run) -> &'static str {
+    match run.method {
+        "sweep" => "The sweep",
+        "search" => "The search",
+        "lp" => "The linear programme (lp)",
+        "flow" => "Portal flow",
+        "flood" => "Flooding",
+        _ => "Random sightlines",
+    }
+}
+
 fn median(run: &Run) -> f64 {
     run.seconds.map_or(f64::INFINITY, |s| s.median)
 }
 
 fn find(results: &Results, method: Method) -> Option<(&Run, &Answer)> {
-    let run = results.methods.iter().find(|r| r.method == method.as_str())?;
+    let run = results
+        .methods
+        .iter()
+        .find(|r| r.method == method.as_str())?;
     Some((run, run.answer.as_ref()?))
 }
 
@@ -64,15 +82,15 @@ pub fn exact(results: &Results) -> String {
         return "No exact method came to its end.".to_string();
     };
     let mut text = format!(
-        "Pick {} when the answer has to be right: it is exact, and takes {}.",
+        "Pick {} for the right answer: it is exact, and takes {}.",
         best.label,
         duration(median(best))
     );
     match (complete.get(1), results.truth.agreed) {
         (Some(other), Some(true)) => {
             text += &format!(
-                " {}, which shares no code with it, finds the same {} pairs in {}.",
-                capital(&other.label),
+                " {}, which shares no code with it, finds the same {} pairs and takes {}.",
+                subject(other),
                 grouped(results.truth.pairs),
                 compared(median(other) / median(best))
             );
@@ -81,7 +99,7 @@ pub fn exact(results: &Results) -> String {
             text += &format!(
                 " {}, the other exact method, disagrees with it: one of the two is broken; please \
                  report this level.",
-                capital(&other.label)
+                subject(other)
             );
         }
         _ => text += " The other exact method did not finish within its share of the budget.",
@@ -117,7 +135,8 @@ pub fn others(results: &Results) -> Vec<String> {
     if let Some((run, answer)) = find(results, Method::Flood) {
         let over = answer.accuracy.overestimate;
         let text = if over == 0.0 {
-            "gives the exact answer here, for every cell that can be reached is also seen".to_string()
+            "gives the exact answer here, for every cell that can be reached is also seen"
+                .to_string()
         } else if over >= 1.0 {
             format!(
                 "misses nothing, but calls {:.1} times as many cells visible as are: a first filter, \
@@ -125,11 +144,14 @@ pub fn others(results: &Results) -> Vec<String> {
                 1.0 + over
             )
         } else {
-            format!("misses nothing, but calls {} more cells visible than are", percent(over))
+            format!(
+                "misses nothing, but calls {} more cells visible than are",
+                percent(over)
+            )
         };
         list.push(format!(
             "{} takes {} and {text}.",
-            capital(&run.label),
+            subject(run),
             duration(median(run))
         ));
     }
@@ -138,7 +160,7 @@ pub fn others(results: &Results) -> Vec<String> {
 }
 
 fn floating(run: &Run, answer: &Answer) -> String {
-    let name = capital(&run.label);
+    let name = subject(run);
     let (invented, missed) = (answer.accuracy.invented, answer.accuracy.missed);
     let time = run.relative.map_or(String::new(), |r| compared(r));
     let wrong = match (missed, invented) {
@@ -184,8 +206,8 @@ pub fn sampling(results: &Results) -> Option<String> {
     let under = |a: &Answer| a.accuracy.underestimate;
     if let Some((run, _)) = samples.iter().find(|(_, a)| under(a) == 0.0) {
         return Some(format!(
-            "Random sightlines, {} from every cell, find every pair here, in {} (they cannot tell \
-             that nothing is left, but what they find is certain).",
+            "Random sightlines, {} from every cell, find every pair here and take {}; but nothing \
+             tells when they have found all.",
             rays(run),
             compared(run.relative.unwrap_or(f64::INFINITY))
         ));
@@ -197,7 +219,10 @@ pub fn sampling(results: &Results) -> Option<String> {
         percent(under(answer)),
         compared(last.relative.unwrap_or(f64::INFINITY))
     );
-    let fast = samples.iter().rev().find(|(r, _)| r.relative.is_some_and(|x| x <= 1.0));
+    let fast = samples
+        .iter()
+        .rev()
+        .find(|(r, _)| r.relative.is_some_and(|x| x <= 1.0));
     if let Some((run, answer)) = fast {
         text += &format!(
             " In the time of the exact answer there is room for {} from every cell, which miss {}.",
@@ -229,7 +254,10 @@ pub fn subdivisions(results: &Results) -> Option<String> {
     );
     let share = |s: &Subdivided| percent(s.floor);
     if tight.subdivision == small.subdivision || share(tight) == share(small) {
-        text += &format!("; its sets are also the tightest, {} of the floor on average", share(tight));
+        text += &format!(
+            "; its sets are also the tightest, {} of the floor on average",
+            share(tight)
+        );
     } else {
         text += &format!(
             ", {} for the tightest sets: what may be visible from a point is {} of the floor on \
@@ -265,7 +293,10 @@ pub fn heights(heights: &Heights) -> String {
         .iter()
         .filter_map(|r| Some((r, r.answer.as_ref()?)))
         .collect();
-    let least = runs.iter().map(|(_, a)| a.undecided_share).fold(1.0, f64::min);
+    let least = runs
+        .iter()
+        .map(|(_, a)| a.undecided_share)
+        .fold(1.0, f64::min);
     // The smallest budget that leaves hardly more undecided than the best one.
     let enough = |(_, a): &&(&Run, &Answer)| a.undecided_share <= least * 1.1;
     let (Some((run, answer)), Some((last, best))) = (runs.iter().find(enough), runs.last()) else {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::accuracy::{Accuracy, Error, accuracy};
-use super::differ::{area, look_up, telling};
+use super::differ::{LISTED, area, look_up, telling};
 use super::record::*;
 use super::steps::{Ground, PAIRS, Schedule, Trial, Work, run_all};
 use super::{Bench, Study, StudyOptions};
@@ -25,7 +25,9 @@ pub fn study(level: &Level, options: &StudyOptions, bench: &mut dyn Bench) -> Op
     let mut methods = methods(&grounds, 0, &trials, fastest);
     methods.sort_by_key(|r| Method::ALL.iter().position(|m| m.as_str() == r.method));
     let search = methods.iter().find(|r| r.method == Method::Search.as_str());
-    let agreed = search.and_then(|r| r.answer).map(|a| a.accuracy == Accuracy::default());
+    let agreed = search
+        .and_then(|r| r.answer)
+        .map(|a| a.accuracy == Accuracy::default());
     bench.next("looking up the pairs in which methods differ");
     let differences = differences(level, ground, &trials, bench, PAIRS * options.budget);
     let (machine, threads) = bench.machine();
@@ -146,7 +148,7 @@ fn answer(pvs: &Pvs, truth: &BitMatrix) -> Answer {
     }
 }
 
-/// Where the floating-point methods err on the first subdivision. Looks pairs up until `end`.
+/// Where the methods err on the first subdivision. Looks pairs up until `end`.
 fn differences(
     level: &Level,
     ground: &Ground,
@@ -154,30 +156,40 @@ fn differences(
     bench: &dyn Bench,
     end: f64,
 ) -> Vec<Differences> {
-    let caster = Caster::new(level, ground.graph.options.doors);
+    let caster = Caster::new(level, &ground.graph);
+    // Of the random sightlines only the most.
+    let planar = || seeing(trials, 0).filter(|(t, o)| o.heights.is_none() && t.pvs.is_some());
+    let samples = planar().filter(|(_, o)| o.method == Method::Sample);
+    let most = samples.map(|(_, o)| o.sample.rays).max();
     let mut list = Vec::new();
-    for (trial, options) in seeing(trials, 0) {
+    for (trial, options) in planar() {
         let Some(pvs) = &trial.pvs else { continue };
-        if options.heights.is_some() || !matches!(options.method, Method::Lp | Method::Flow) {
-            continue;
-        }
+        let listed = match options.method {
+            Method::Lp | Method::Flow => LISTED,
+            Method::Sample if Some(options.sample.rays) != most => continue,
+            _ => 1,
+        };
         let Accuracy {
             invented, missed, ..
         } = accuracy(&ground.truth.visible, &pvs.visible);
         let mut pairs = Vec::new();
         for error in [Error::Missed, Error::Invented] {
-            for cells in telling(&ground.graph, &ground.truth, pvs, error) {
+            let telling = telling(&ground.graph, &ground.truth, pvs, error);
+            for cells in telling.into_iter().take(listed) {
                 if bench.now() < end {
                     pairs.push(look_up(&ground.graph, &caster, error, cells));
                 }
             }
         }
-        list.push(Differences {
-            label: trial.label(),
-            invented,
-            missed,
-            pairs,
-        });
+        if invented + missed > 0 {
+            list.push(Differences {
+                method: options.method.as_str(),
+                label: trial.label(),
+                invented,
+                missed,
+                pairs,
+            });
+        }
     }
     list
 }
@@ -243,7 +255,9 @@ fn heights(ground: &Ground, trials: &[Trial], fastest: f64) -> Option<Heights> {
 /// What did not come to its end, in words.
 fn notes(trials: &[Trial]) -> Vec<String> {
     let note = |trial: &Trial| {
-        let Work::See(_) = trial.work else { return None };
+        let Work::See(_) = trial.work else {
+            return None;
+        };
         let mut label = trial.label();
         if trial.ground > 0 {
             label = format!("{label} on {}", trial.subdivision.as_str());

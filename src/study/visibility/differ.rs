@@ -5,9 +5,8 @@ use glam::DVec2;
 use super::accuracy::{Error, wrong};
 use super::record::WrongPair;
 use crate::cells::{CellGraph, CellId};
-use crate::geom::Vertex;
 use crate::pvs::Pvs;
-use crate::pvs::verify::Caster;
+use crate::pvs::verify::{Caster, Place};
 
 /// Pairs of each kind that are listed for a method.
 pub(super) const LISTED: usize = 16;
@@ -31,7 +30,11 @@ pub(super) fn telling(
         .map(|pair| (shown(&pair), pair))
         .collect();
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    pairs.into_iter().take(LISTED).map(|(_, pair)| pair).collect()
+    pairs
+        .into_iter()
+        .take(LISTED)
+        .map(|(_, pair)| pair)
+        .collect()
 }
 
 /// A pair with its places, and whether the walls confirm the exact answer.
@@ -46,8 +49,12 @@ pub(super) fn look_up(
         graph.grid.offset_to_level(p.x, p.y).to_array()
     };
     let witness = match error {
-        Error::Missed => witness(graph, caster, cells),
+        Error::Missed => witness(graph, cells),
         Error::Invented => None,
+    };
+    let confirmed = match &witness {
+        Some([from, to]) => caster.is_free(cells, &from.0, &to.0),
+        None => caster.joined(cells) == Some(error == Error::Missed),
     };
     WrongPair {
         error,
@@ -55,20 +62,17 @@ pub(super) fn look_up(
         places: cells.map(place),
         sectors: cells.map(|c| graph.cell(c).sector.map(|s| s.0)),
         witness: witness
-            .as_ref()
-            .map(|ends| ends.map(|v| v.to_level(&graph.grid).to_array())),
-        confirmed: witness.is_some(),
+            .map(|ends| ends.map(|(_, p)| graph.grid.offset_to_level(p.x, p.y).to_array())),
+        confirmed,
     }
 }
 
-fn witness(graph: &CellGraph, caster: &Caster, cells: [CellId; 2]) -> Option<[Vertex; 2]> {
-    let [a, b] = cells.map(|c| {
+fn witness(graph: &CellGraph, cells: [CellId; 2]) -> Option<[(Place, DVec2); 2]> {
+    Some(cells.map(|c| {
         let p = middle_and_size(graph, c).0;
-        let part = |x: f64| (x * (1 << 20) as f64).round() as i128;
-        Vertex::homogeneous(part(p.x), part(p.y), 1 << 20)
-    });
-    let (a, b) = (a?, b?);
-    caster.is_free(&a, &b).then_some([a, b])
+        let part = |x: f64| ((x * (1 << 20) as f64).round() as i128).into();
+        ([part(p.x), part(p.y), (1 << 20).into()], p)
+    }))
 }
 
 /// The mean of a cell's corners, and half the square root of its area, in grid steps.

@@ -10,7 +10,12 @@ use crate::study::chart::{Bar, Chart, Guide, Point, Series, bars, draw, percent}
 /// A run as a point: its time and one of its errors.
 fn point(run: &Run, label: String, error: f64) -> Option<Point> {
     let seconds = run.seconds?;
-    let about = format!("{}: {} in {}", run.label, percent(error), duration(seconds.median));
+    let about = format!(
+        "{}: {} in {}",
+        run.label,
+        percent(error),
+        duration(seconds.median)
+    );
     Some(Point {
         label,
         about,
@@ -89,9 +94,10 @@ pub(super) fn of_samples(results: &Results) -> Markup {
         })
     });
     let chart = Chart {
-        about: "What random sightlines miss, against their time, for growing numbers of them, both \
+        about:
+            "What random sightlines miss, against their time, for growing numbers of them, both \
                 on logarithmic axes"
-            .to_string(),
+                .to_string(),
         y: "underestimate",
         series: vec![Series {
             key: "sample",

@@ -73,3 +73,5 @@ pub struct Study {
     pub truth: Pvs,
 }
 
+#[cfg(test)]
+mod tests;

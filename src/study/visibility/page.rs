@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use super::record::{Heights, Results};
 use super::{Study, advice, figures, sketch, tables, wrong};
-use crate::level::wording::{count, duration, grouped, in_sector};
 use crate::level::Level;
+use crate::level::wording::{count, duration, grouped, in_sector};
 use crate::study::page::page as frame;
 
 /// The whole page: one HTML file that needs nothing else.

@@ -31,7 +31,7 @@ pub struct Results {
     pub truth: Truth,
     /// The methods, with the different numbers of random sightlines.
     pub methods: Vec<Run>,
-    /// The pairs of cells about which a floating-point method errs, for each that does.
+    /// The pairs of cells about which a method errs, for each that does.
     pub differences: Vec<Differences>,
     /// The subdivisions, the one above among them.
     pub subdivisions: Vec<Subdivided>,
@@ -197,13 +197,15 @@ pub struct Answer {
 /// About which pairs a method errs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Differences {
+    /// The method.
+    pub method: &'static str,
     /// The run's label.
     pub label: String,
     /// Pairs that it invents; (a, b) and (b, a) are one.
     pub invented: u64,
     /// Pairs that it misses, counted likewise.
     pub missed: u64,
-    /// Some of them.
+    /// Some of them, those that a picture shows best: for `lp` and `flow` at most 16 of each kind.
     pub pairs: Vec<WrongPair>,
 }
 

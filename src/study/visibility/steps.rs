@@ -219,7 +219,10 @@ impl Schedule<'_> {
         let Some(graph) = graph else { return };
         let see = method_of(level, Method::Sweep, 0);
         let mut sweep = Trial::new(Work::See(see), ground, 0.0);
-        self.bench.next(&format!("the exact answer on {}", options.subdivision.as_str()));
+        self.bench.next(&format!(
+            "the exact answer on {}",
+            options.subdivision.as_str()
+        ));
         let mut truth = None;
         let work = &mut |progress: &Progress| truth = pvs::compute(&graph, &see, progress);
         let cost = self.bench.run(None, work);
@@ -248,7 +251,9 @@ impl Schedule<'_> {
             };
             return;
         }
-        let Work::See(options) = trial.work else { return };
+        let Work::See(options) = trial.work else {
+            return;
+        };
         let graph = &self.grounds[trial.ground].graph;
         let label = trial.label();
         let (number, of) = (i + 1 - prepared, n - prepared);
@@ -289,8 +294,8 @@ impl Schedule<'_> {
                 let (runs, next) = (times.len(), times[0]);
                 let spent = times[1..].iter().sum::<f64>() + next;
                 let wanted = runs < ENOUGH || runs < MANY && spent < NO_TIME;
-                let room = spent <= EACH * self.budget
-                    && self.bench.now() + next <= AGAIN * self.budget;
+                let room =
+                    spent <= EACH * self.budget && self.bench.now() + next <= AGAIN * self.budget;
                 if wanted && room {
                     self.repeat(i);
                 }
@@ -304,7 +309,9 @@ impl Schedule<'_> {
         let graph = &self.grounds[trial.ground].graph;
         self.bench.next(&format!("once more: {}", trial.label()));
         let cost = match trial.work {
-            Work::Cut(options) => self.bench.run(None, &mut |_| drop(subdivide(level, &options))),
+            Work::Cut(options) => self
+                .bench
+                .run(None, &mut |_| drop(subdivide(level, &options))),
             Work::See(options) => self.bench.run(None, &mut |progress| {
                 drop(pvs::compute(graph, &options, progress));
             }),

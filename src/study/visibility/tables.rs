@@ -14,18 +14,32 @@ fn time(spread: Option<Spread>) -> Markup {
             Some(s) => {
                 (duration(s.median))
                 small {
-                    @if s.runs > 1 { (duration(s.min)) "–" (duration(s.max)) ", " (s.runs) " runs" }
-                    @else { "1 run" }
+                    @if s.runs > 1 { (range(s)) ", " (s.runs) "\u{202f}×" }
+                    @else { "once" }
                 }
             }
         }
     }
 }
 
-/// A number of bytes: `640 B`, `12.3 kB`, `4.56 MB`.
-fn size(bytes: Option<u64>) -> String {
-    let Some(bytes) = bytes else {
-        return "not measured".to_string();
+/// The shortest and the longest time; the unit once, if it is the same.
+fn range(spread: Spread) -> String {
+    let (min, max) = (duration(spread.min), duration(spread.max));
+    match (min.split_once(' '), max.split_once(' ')) {
+        (Some((least, a)), Some((_, b))) if a == b => format!("{least}–{max}"),
+        _ => format!("{min}–{max}"),
+    }
+}
+
+/// The heap that a run needed: `640 B`, `12.3 kB`, `4.56 MB`.
+fn size(run: &Run) -> String {
+    let Some(bytes) = run.bytes else {
+        let text = if run.seconds.is_some() {
+            "not measured"
+        } else {
+            "–"
+        };
+        return text.to_string();
     };
     let b = bytes as f64;
     match b {
@@ -60,17 +74,14 @@ fn cell(key: &str, answer: Option<&Answer>, text: impl Fn(&Answer) -> String) ->
     html! { td data-key=(key) { @match answer { Some(a) => (text(a)), None => "–" } } }
 }
 
-/// Pairs about which a run is wrong.
-fn wrong(answer: Option<&Answer>) -> Markup {
+/// How many pairs a run gets wrong in one way.
+fn wrong(key: &str, answer: Option<&Answer>, count: fn(&Answer) -> u64) -> Markup {
     html! {
-        td data-key="wrong" {
-            @match answer.map(|a| a.accuracy) {
+        td data-key=(key) {
+            @match answer.map(count) {
                 None => "–",
-                Some(a) if a.invented + a.missed == 0 => span.good { "none" },
-                Some(a) => {
-                    (grouped(a.invented + a.missed))
-                    small { (grouped(a.invented)) " invented, " (grouped(a.missed)) " missed" }
-                }
+                Some(0) => span.good { "0" },
+                Some(n) => (grouped(n)),
             }
         }
     }
@@ -85,7 +96,7 @@ pub(super) fn of_methods(results: &Results) -> Markup {
                     tr {
                         th { "Method" } th.left { "Class" } th { "Time" } th { "Relative" }
                         th { "Visible pairs" } th { "Over\u{00ad}estimate" } th { "Under\u{00ad}estimate" }
-                        th { "Wrong pairs" } th { "Un\u{00ad}decided" } th { "Memory" }
+                        th { "Pairs invented" } th { "Pairs missed" } th { "Un\u{00ad}decided" } th { "Memory" }
                     }
                 }
                 tbody { @for run in &results.methods { (method(run)) } }
@@ -110,9 +121,10 @@ fn method(run: &Run) -> Markup {
             (cell("pairs", answer, |a| grouped(a.pairs)))
             (cell("overestimate", answer, |a| percent(a.accuracy.overestimate)))
             (cell("underestimate", answer, |a| percent(a.accuracy.underestimate)))
-            (wrong(answer))
+            (wrong("invented", answer, |a| a.accuracy.invented))
+            (wrong("missed", answer, |a| a.accuracy.missed))
             (cell("undecided", answer, |a| percent(a.undecided_share)))
-            td data-key="bytes" { (size(run.bytes)) }
+            td data-key="bytes" { (size(run)) }
         }
     }
 }
@@ -160,7 +172,7 @@ pub(super) fn of_subdivisions(results: &Results) -> Markup {
                                     _ => "–",
                                 }
                             }
-                            (wrong(answer("flow")))
+                            (wrong("flow", answer("flow"), |a| a.accuracy.invented + a.accuracy.missed))
                             (cell("flood", answer("flood"), |a| percent(a.accuracy.overestimate)))
                         }
                     }
@@ -198,7 +210,7 @@ pub(super) fn of_heights(heights: &Heights) -> Markup {
                             (cell("pairs", answer, |a| grouped(a.pairs)))
                             (cell("undecided", answer, |a| percent(a.undecided_share)))
                             (cell("overestimate", answer, |a| percent(a.accuracy.overestimate)))
-                            td data-key="bytes" { (size(run.bytes)) }
+                            td data-key="bytes" { (size(run)) }
                         }
                     }
                 }
