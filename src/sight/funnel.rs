@@ -263,6 +263,20 @@ impl Funnel {
             .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
     }
 
+    /// The ends that bound the stabbing lines, left ones and right ones, in the order of the chain.
+    /// No other ends of the chain lie nearer to each other: the distance of the two lists, as chains
+    /// of edges, is the width of the widest strip that the chain lets through.
+    pub fn bounds(&self) -> [&[Placed]; 2] {
+        [&self.left, &self.right].map(|h| &h.points[h.start as usize..h.end as usize])
+    }
+
+    /// The counterclockwise-most and the clockwise-most stabbing line, each from where it touches
+    /// one side first to where it touches the other later; none for a chain of one portal.
+    pub fn extremes(&self) -> Option<[[Placed; 2]; 2]> {
+        let (ccw, cw) = self.lines.last()?;
+        Some([ccw, cw].map(|line| [line.from, line.to]))
+    }
+
     /// Takes the last portal off the chain. Undo in the reverse order of extending.
     pub fn undo(&mut self, undo: &Undo) {
         self.left.restore(&undo.left);
