@@ -6,6 +6,7 @@
 //! a right end later. What a new portal can still change is held by two hulls, of left and of right
 //! ends, so that adding one takes amortised constant time, and undoing it constant time.
 
+use super::Gate;
 use crate::geom::{Placed, Side, Vertices};
 
 /// A directed line through two vertices.
@@ -63,6 +64,10 @@ impl Hull {
             position: u32::MAX,
             overwritten: self.points[0],
         }
+    }
+
+    fn bounds(&self) -> &[Placed] {
+        &self.points[self.start as usize..self.end as usize]
     }
 
     fn first(&self) -> Placed {
@@ -263,18 +268,40 @@ impl Funnel {
             .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
     }
 
-    /// The ends that bound the stabbing lines, left ones and right ones, in the order of the chain.
-    /// No other ends of the chain lie nearer to each other: the distance of the two lists, as chains
-    /// of edges, is the width of the widest strip that the chain lets through.
-    pub fn bounds(&self) -> [&[Placed]; 2] {
-        [&self.left, &self.right].map(|h| &h.points[h.start as usize..h.end as usize])
+    /// Adds the portal `gate` (its left and its right end), given that the last one was `last`; as
+    /// [`Funnel::extend`], for who does not walk around the cell between the two.
+    #[inline]
+    pub fn extend_past(
+        &mut self,
+        vertices: &Vertices,
+        last: Gate,
+        [left, right]: [Placed; 2],
+    ) -> Option<Undo> {
+        let start = self.right_end_seen();
+        let right_seen = if right.id == last.right {
+            start
+        } else {
+            self.next_seen(vertices, start, &right)
+        };
+        if !right_seen.inside_left {
+            return None;
+        }
+        let left_seen = self.next_seen(vertices, right_seen, &left);
+        self.extend(vertices, (left, left_seen), (right, right_seen))
     }
 
-    /// The counterclockwise-most and the clockwise-most stabbing line, each from where it touches
-    /// one side first to where it touches the other later; none for a chain of one portal.
-    pub fn extremes(&self) -> Option<[[Placed; 2]; 2]> {
-        let (ccw, cw) = self.lines.last()?;
-        Some([ccw, cw].map(|line| [line.from, line.to]))
+    /// The left ends that bound the stabbing lines, in the order of the chain: from the one that the
+    /// clockwise-most line touches to the one that the counterclockwise-most touches. The line
+    /// through them turns left in each.
+    pub fn left_bounds(&self) -> &[Placed] {
+        self.left.bounds()
+    }
+
+    /// The right ends that bound the stabbing lines, in the order of the chain: from the one that the
+    /// counterclockwise-most line touches to the one that the clockwise-most touches. The line
+    /// through them turns right in each.
+    pub fn right_bounds(&self) -> &[Placed] {
+        self.right.bounds()
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.

@@ -194,25 +194,24 @@ impl Search<'_> {
 
     /// Width of the widest strip through the funnel.
     fn width(&self) -> f64 {
-        let [left, right] = self.funnel.bounds().map(|ends| {
-            let at = ends.iter().map(|p| p.at);
-            at.collect::<SmallVec<[glam::DVec2; 8]>>()
-        });
-        strip::distance(&left, &right)
+        let [left, right] = [self.funnel.left_bounds(), self.funnel.right_bounds()];
+        strip::distance(left, right)
     }
 
     /// Whether the lines that pass all portals come near the last cell: it does not lie wholly left
     /// of the counterclockwise-most or right of the clockwise-most.
     fn reaches(&self) -> bool {
-        let Some([ccw, cw]) = self.funnel.extremes() else {
+        let [left, right] = [self.funnel.left_bounds(), self.funnel.right_bounds()];
+        let (Some(l), Some(r)) = (left.first().zip(left.last()), right.first().zip(right.last()))
+        else {
             return true;
         };
         let vertices = &self.graph.vertices;
-        let any = |[p, q]: [Placed; 2], wanted: Side| {
+        let any = |p: &Placed, q: &Placed, wanted: Side| {
             let mut corners = self.graph.corners(self.ends[1]);
-            corners.any(|v| vertices.side(&p, &q, &vertices.placed(v)) == wanted)
+            corners.any(|v| vertices.side(p, q, &vertices.placed(v)) == wanted)
         };
-        any(ccw, Side::Right) && any(cw, Side::Left)
+        any(r.0, l.1, Side::Right) && any(l.0, r.1, Side::Left)
     }
 }
 

@@ -6,7 +6,6 @@
 //! along it sight gets, and the few wall ends that no line passes as it would have to ([`Hidden`]).
 
 mod chain;
-mod clash;
 mod corner;
 mod segment;
 mod straight;
@@ -136,7 +135,11 @@ fn first_clash(graph: &CellGraph, portals: &[EdgeId], kinds: &[Corner]) -> Optio
         .collect();
     let of_first = |n: usize| {
         let side = |i: usize| -> Vec<VertexId> { ends[..n].iter().filter_map(|e| e[i]).collect() };
-        clash::clash(&graph.vertices, &side(0), &side(1))
+        let (left, right) = (side(0), side(1));
+        if left.is_empty() || right.is_empty() {
+            return None;
+        }
+        strip::widest(&graph.vertices, &left, &right).err()
     };
     of_first(portals.len())?;
     // More portals only add to a contradiction.

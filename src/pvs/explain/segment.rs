@@ -10,7 +10,7 @@ use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{GridPoint, Side, Vertex, VertexId};
 
 /// An exact point of the plan `(x/w, y/w)` in grid steps; `w > 0`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     x: IBig,
     y: IBig,
@@ -162,7 +162,7 @@ pub fn is_inside(graph: &CellGraph, cell: CellId, point: &Point) -> bool {
 
 /// A segment between two points strictly inside cells, which crosses nothing but portals, and those
 /// strictly between their ends.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
     /// Its start.
     pub from: Point,

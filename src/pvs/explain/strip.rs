@@ -1,102 +1,91 @@
-//! The widest strip between points that it must leave on its left and points on its right.
+//! The widest strip between ends that it must leave on its left and ends on its right.
 //!
-//! A line separates two sets of points just when their convex hulls have none in common; the widest
-//! strip between them is as wide as the hulls are apart, and lies square to the shortest way from
-//! the one to the other. All in f64: the strip is a measure, and what follows from it about sight is
-//! checked exactly elsewhere.
+//! In: vertices on either side, a chain's or any others. Out: a [`Strip`], which ends bound it and
+//! the line in its middle (exact), and its measures in f64 for pictures; or the few ends that
+//! contradict each other.
 
 use glam::DVec2;
+use smallvec::SmallVec;
 
-use crate::geom::VertexId;
+use crate::geom::{Placed, VertexId, Vertices};
+use crate::sight::{Contradiction, Gate, Stabbing, Witness, exact};
 
-/// A point that a strip must leave on one side, and the vertex that it is.
-pub type End = (DVec2, VertexId);
-
-/// A strip with two parallel borders, seen in its direction.
+/// A strip with two parallel borders, as somebody sees it who walks along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// Distance of the borders, positive.
+    /// Distance of the borders in grid steps, positive.
     pub width: f64,
+    /// The ends that touch the left border: one, or two where the border runs along both.
+    pub left: SmallVec<[VertexId; 2]>,
+    /// The ends that touch the right border; two at most if the left border has one.
+    pub right: SmallVec<[VertexId; 2]>,
+    /// The line in the middle, exactly.
+    pub line: Witness,
     /// Unit vector along the strip.
     pub direction: DVec2,
-    /// A point of the left border, and one of the right border, square across from it.
-    pub across: [DVec2; 2],
-    /// The ends that touch the left border: one, or two where the border runs along both.
-    pub left: Vec<VertexId>,
-    /// The ends that touch the right border. One side has two ends at most, or both one.
-    pub right: Vec<VertexId>,
+    /// A point in the middle, in grid steps.
+    pub middle: DVec2,
 }
 
 impl Strip {
     /// How far a point lies to the left of the middle, in parts of the width: from -½ to ½ inside.
     pub fn offset(&self, p: DVec2) -> f64 {
-        self.direction.perp_dot(p - self.middle()) / self.width
-    }
-
-    /// A point in the middle.
-    pub fn middle(&self) -> DVec2 {
-        (self.across[0] + self.across[1]) / 2.0
+        self.direction.perp_dot(p - self.middle) / self.width
     }
 }
 
-/// The widest strip; `None` if the hulls are not apart as far as f64 can tell.
-pub fn widest(left: &[End], right: &[End]) -> Option<Strip> {
-    let (left, right) = (hull(left), hull(right));
-    let mut best: Option<Strip> = None;
-    let mut consider = |l: DVec2, r: DVec2, left: Vec<VertexId>, right: Vec<VertexId>| {
-        let width = l.distance(r);
-        if width > 0.0 && best.as_ref().is_none_or(|b| width < b.width) {
-            best = Some(Strip {
-                width,
-                direction: (r - l).perp() / width,
-                across: [l, r],
-                left,
-                right,
-            });
-        }
+/// The widest strip between two sets of vertices, neither of them empty, or some of them that no
+/// line separates.
+pub fn widest(
+    vertices: &Vertices,
+    left: &[VertexId],
+    right: &[VertexId],
+) -> Result<Strip, Contradiction> {
+    // For stabbing, only what is left and what is right matters: the shorter list's last end serves
+    // for all that are left of the longer.
+    let gates: Vec<Gate> = (0..left.len().max(right.len()))
+        .map(|i| Gate {
+            left: left[i.min(left.len() - 1)],
+            right: right[i.min(right.len() - 1)],
+        })
+        .collect();
+    between(vertices, &gates)
+}
+
+/// The widest strip that a chain lets through, or why there is none. At least one gate.
+pub fn between(vertices: &Vertices, gates: &[Gate]) -> Result<Strip, Contradiction> {
+    let line = match exact::stab(vertices, gates) {
+        Stabbing::Line(line) => line,
+        Stabbing::None(ends) => return Err(ends),
     };
-    for &(l, l_id) in &left {
-        for &(r, r_id) in &right {
-            consider(l, r, vec![l_id], vec![r_id]);
-        }
-    }
-    // Only what is nearer than all corners counts: the foot on the inside of an edge.
-    for (p, q) in edges(&left) {
-        for &(r, r_id) in &right {
-            if let Some(foot) = foot(p.0, q.0, r) {
-                consider(foot, r, vec![p.1, q.1], vec![r_id]);
-            }
-        }
-    }
-    for (p, q) in edges(&right) {
-        for &(l, l_id) in &left {
-            if let Some(foot) = foot(p.0, q.0, l) {
-                consider(l, foot, vec![l_id], vec![p.1, q.1]);
-            }
-        }
-    }
-    // Hulls that meet have no strip between them: some point is then on the wrong side.
-    let strip = best?;
-    let half = 0.5 - 2f64.powi(-10);
-    let apart = left.iter().all(|l| strip.offset(l.0) > half)
-        && right.iter().all(|r| strip.offset(r.0) < -half);
-    apart.then_some(strip)
+    let slack = exact::slack(vertices, gates).expect("a line stabs the chain");
+    let [a, b, c] = line.approx();
+    let to_left = DVec2::new(a, b);
+    let touched = vertices.approx(slack.left[0]);
+    Ok(Strip {
+        width: slack.width,
+        left: slack.left,
+        right: slack.right,
+        line,
+        direction: -to_left.perp(),
+        middle: touched - to_left * (to_left.dot(touched) + c),
+    })
 }
 
 /// The distance of two chains of points that face each other, such as the ends that bound a
-/// [`Funnel`](crate::sight::funnel::Funnel).
-pub fn distance(left: &[DVec2], right: &[DVec2]) -> f64 {
+/// [`Funnel`](crate::sight::funnel::Funnel): the width of the widest strip between them, in f64.
+pub fn distance(left: &[Placed], right: &[Placed]) -> f64 {
     let mut least = f64::INFINITY;
     for l in left {
         for r in right {
-            least = least.min(l.distance_squared(*r));
+            least = least.min(l.at.distance_squared(r.at));
         }
     }
     for (chain, points) in [(left, right), (right, left)] {
         for pair in chain.windows(2) {
-            for &p in points {
-                if let Some(foot) = foot(pair[0], pair[1], p) {
-                    least = least.min(foot.distance_squared(p));
+            for p in points {
+                if let Some(foot) = foot(pair[0].at, pair[1].at, p.at) {
+                    least = least.min(foot.distance_squared(p.at));
                 }
             }
         }
@@ -111,88 +100,55 @@ fn foot(p: DVec2, q: DVec2, r: DVec2) -> Option<DVec2> {
     (t > 0.0 && t < 1.0).then(|| p + d * t)
 }
 
-/// The corners of the convex hull, counterclockwise.
-fn hull(points: &[End]) -> Vec<End> {
-    let mut points = points.to_vec();
-    points.sort_by(|a, b| {
-        let by_place = a.0.x.total_cmp(&b.0.x).then(a.0.y.total_cmp(&b.0.y));
-        by_place.then(a.1.cmp(&b.1))
-    });
-    points.dedup_by(|a, b| a.0 == b.0);
-    if points.len() < 3 {
-        return points;
-    }
-    let mut hull: Vec<End> = Vec::new();
-    let half = |hull: &mut Vec<End>, next: End, base: usize| {
-        while let [.., p, q] = hull[base..] {
-            if (q.0 - p.0).perp_dot(next.0 - p.0) > 0.0 {
-                break;
-            }
-            hull.pop();
-        }
-        hull.push(next);
-    };
-    for &p in &points {
-        half(&mut hull, p, 0);
-    }
-    let base = hull.len() - 1;
-    for &p in points.iter().rev().skip(1) {
-        half(&mut hull, p, base);
-    }
-    hull.pop();
-    hull
-}
-
-/// The edges of a hull.
-fn edges(hull: &[End]) -> impl Iterator<Item = (End, End)> + '_ {
-    let n = hull.len();
-    let count = if n < 3 { n.saturating_sub(1) } else { n };
-    (0..count).map(move |i| (hull[i], hull[(i + 1) % n]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::GridPoint;
 
-    fn ends(points: &[[f64; 2]], first: u32) -> Vec<End> {
-        let ids = (first..).map(VertexId);
-        points.iter().map(|&p| DVec2::from(p)).zip(ids).collect()
+    /// The vertices, left ones first, and the ids of either side.
+    fn sides(left: &[[i64; 2]], right: &[[i64; 2]]) -> (Vertices, Vec<VertexId>, Vec<VertexId>) {
+        let at = |p: &[i64; 2]| GridPoint::new(p[0], p[1]).into();
+        let vertices = Vertices::new(left.iter().chain(right).map(at).collect());
+        let ids = |from: usize, n: usize| (from..from + n).map(|i| VertexId(i as u32)).collect();
+        let (l, r) = (ids(0, left.len()), ids(left.len(), right.len()));
+        (vertices, l, r)
     }
 
     #[test]
     fn between_two_points_and_along_an_edge() {
-        let left = ends(&[[0.0, 3.0]], 0);
-        let right = ends(&[[4.0, 0.0]], 10);
-        let strip = widest(&left, &right).unwrap();
+        let (vertices, left, right) = sides(&[[0, 3]], &[[4, 0]]);
+        let strip = widest(&vertices, &left, &right).unwrap();
         assert_eq!(strip.width, 5.0);
         // Going up to the right, the first point is on the left.
-        assert_eq!(strip.direction, DVec2::new(0.6, 0.8));
-        assert_eq!(strip.offset(left[0].0), 0.5);
-        assert_eq!(strip.offset(right[0].0), -0.5);
-        let left = ends(&[[0.0, 3.0], [8.0, 3.0], [4.0, 9.0]], 0);
-        let strip = widest(&left, &right).unwrap();
+        assert!(strip.direction.distance(DVec2::new(0.6, 0.8)) < 1e-15);
+        assert!((strip.offset(DVec2::new(0.0, 3.0)) - 0.5).abs() < 1e-15);
+        assert!((strip.offset(DVec2::new(4.0, 0.0)) + 0.5).abs() < 1e-15);
+        let (vertices, left, right) = sides(&[[0, 3], [8, 3], [4, 9]], &[[4, 0]]);
+        let strip = widest(&vertices, &left, &right).unwrap();
         assert_eq!((strip.width, strip.left.len()), (3.0, 2));
         assert_eq!(strip.direction, DVec2::X);
-        assert_eq!(strip.right, [VertexId(10)]);
+        assert_eq!(strip.middle.y, 1.5);
+        assert_eq!(strip.right[..], right[..]);
     }
 
     #[test]
-    fn hulls_that_meet() {
-        let cross = [
-            ends(&[[0.0, 0.0], [4.0, 4.0]], 0),
-            ends(&[[0.0, 4.0], [4.0, 0.0]], 10),
-        ];
-        assert_eq!(widest(&cross[0], &cross[1]), None);
-        let within = ends(&[[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]], 0);
-        assert_eq!(widest(&within, &ends(&[[2.0, 2.0]], 10)), None);
-        assert_eq!(widest(&within, &ends(&[[0.0, 0.0]], 10)), None);
+    fn ends_in_any_order_that_no_line_separates() {
+        let (vertices, left, right) = sides(&[[0, 0], [4, 4], [0, 9]], &[[0, 4], [4, 0]]);
+        let ends = widest(&vertices, &left, &right).unwrap_err();
+        assert!(ends.left.len() + ends.right.len() <= 4);
+        let (vertices, left, right) = sides(&[[0, 0], [9, 0], [0, 9]], &[[2, 2]]);
+        let ends = widest(&vertices, &left, &right).unwrap_err();
+        assert_eq!((ends.left.len(), ends.right.len()), (3, 1));
     }
 
     #[test]
     fn chains_that_face_each_other() {
-        let [a, b, c] = [[0.0, 3.0], [8.0, 3.0], [4.0, 0.0]].map(DVec2::from);
-        assert_eq!(distance(&[a, b], &[c]), 3.0);
-        assert_eq!(distance(&[c], &[a, b]), 3.0);
-        assert_eq!(distance(&[a], &[c]), 5.0);
+        let (vertices, left, right) = sides(&[[0, 3], [8, 3]], &[[4, 0]]);
+        let [l, r] = [left, right].map(|ids| {
+            ids.into_iter().map(|v| vertices.placed(v)).collect::<Vec<_>>()
+        });
+        assert_eq!(distance(&l, &r), 3.0);
+        assert_eq!(distance(&r, &l), 3.0);
+        assert_eq!(distance(&l[..1], &r), 5.0);
     }
 }
