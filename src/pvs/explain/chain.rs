@@ -55,13 +55,7 @@ struct Search<'a> {
 
 /// The widest chain from `a` to `b`, two cells that see each other, in at most `max_steps` steps
 /// after the first chain is found. `None` if there is no chain at all.
-pub fn widest(
-    graph: &CellGraph,
-    pvs: &Pvs,
-    a: CellId,
-    b: CellId,
-    max_steps: u64,
-) -> Option<Best> {
+pub fn widest(graph: &CellGraph, pvs: &Pvs, a: CellId, b: CellId, max_steps: u64) -> Option<Best> {
     let mut search = Search {
         graph,
         pvs,
@@ -180,7 +174,12 @@ impl Search<'_> {
                 if let Some(undo) = self.funnel.extend(vertices, left, right) {
                     let width = self.width();
                     if width > self.best_width() && self.reaches() {
-                        open.push(Way { edge, left, right, width });
+                        open.push(Way {
+                            edge,
+                            left,
+                            right,
+                            width,
+                        });
                     }
                     self.funnel.undo(&undo);
                 }
@@ -202,8 +201,10 @@ impl Search<'_> {
     /// of the counterclockwise-most or right of the clockwise-most.
     fn reaches(&self) -> bool {
         let [left, right] = [self.funnel.left_bounds(), self.funnel.right_bounds()];
-        let (Some(l), Some(r)) = (left.first().zip(left.last()), right.first().zip(right.last()))
-        else {
+        let (Some(l), Some(r)) = (
+            left.first().zip(left.last()),
+            right.first().zip(right.last()),
+        ) else {
             return true;
         };
         let vertices = &self.graph.vertices;

@@ -4,7 +4,7 @@ use crate::cells::{CellGraph, EdgeId};
 use crate::geom::{Side, VertexId};
 
 /// What stands at a vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Corner {
     /// The end of a wall, or a corner that juts into the room: sight can be blocked by it alone.
     Jutting,
@@ -42,17 +42,13 @@ pub fn corner_at(graph: &CellGraph, base: EdgeId) -> Corner {
 /// What stands at the two ends of a portal: `[left, right]` for somebody who leaves the edge's cell
 /// through it.
 pub fn corners_of(graph: &CellGraph, edge: EdgeId) -> [Corner; 2] {
-    [
-        corner_at(graph, graph.next(edge)),
-        corner_at(graph, edge),
-    ]
+    [corner_at(graph, graph.next(edge)), corner_at(graph, edge)]
 }
 
-/// The walls that end in, or pass through, a vertex, as edges of cells; ascending. O(edges).
-pub fn walls_at(graph: &CellGraph, vertex: VertexId) -> Vec<EdgeId> {
+/// The edges that start in a vertex, ascending. O(edges).
+pub fn edges_at(graph: &CellGraph, vertex: VertexId) -> Vec<EdgeId> {
     (0..graph.edges.len() as u32)
         .map(EdgeId)
-        .filter(|&e| graph.edge(e).twin().is_none())
-        .filter(|&e| graph.edge(e).origin == vertex || graph.end(e) == vertex)
+        .filter(|&e| graph.edge(e).origin == vertex)
         .collect()
 }

@@ -14,18 +14,18 @@ mod view;
 mod way;
 
 pub use chain::gates;
-pub use corner::{Corner, corner_at, corners_of, walls_at};
+pub use corner::{Corner, corner_at, corners_of, edges_at};
 pub use segment::{Point, Segment};
 pub use straight::{Straight, straight};
 pub use strip::Strip;
-pub use view::{View, last_cell};
+pub use view::{Beside, View, last_cell};
 pub use way::Way;
 
 use glam::DVec2;
 
 use super::Pvs;
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::geom::VertexId;
+use crate::geom::{GridPoint, VertexId};
 use crate::sight::Contradiction;
 
 /// Options of [`explain`].
@@ -104,6 +104,12 @@ pub fn middle(graph: &CellGraph, cell: CellId) -> DVec2 {
     sum / corners.len().max(1) as f64
 }
 
+/// The grid point nearest to a cell's middle, if it lies inside.
+pub fn point_inside(graph: &CellGraph, cell: CellId) -> Option<GridPoint> {
+    let at = Point::rounded(middle(graph, cell), 0);
+    at.grid().filter(|_| segment::is_inside(graph, cell, &at))
+}
+
 /// What stops sight along a way to a cell that is not seen.
 fn hidden(graph: &CellGraph, pvs: &Pvs, a: CellId, way: Way) -> Option<Hidden> {
     let beyond = |e: EdgeId| graph.edge(e).twin().map(|twin| graph.edge(twin).cell);
@@ -117,7 +123,9 @@ fn hidden(graph: &CellGraph, pvs: &Pvs, a: CellId, way: Way) -> Option<Hidden> {
         &[Corner::Jutting, Corner::Flat],
         &[Corner::Jutting, Corner::Flat, Corner::Open],
     ];
-    let ends = ends.into_iter().find_map(|kinds| first_clash(graph, portals, kinds))?;
+    let ends = ends
+        .into_iter()
+        .find_map(|kinds| first_clash(graph, portals, kinds))?;
     Some(Hidden { way, stop, ends })
 }
 

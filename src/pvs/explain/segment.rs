@@ -7,7 +7,7 @@ use dashu_int::IBig;
 use glam::DVec2;
 
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::geom::{GridPoint, Side, Vertex, VertexId};
+use crate::geom::{Grid, GridPoint, Side, Step, Vertex, VertexId};
 
 /// An exact point of the plan `(x/w, y/w)` in grid steps; `w > 0`.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,11 @@ impl Point {
         if w == IBig::ZERO {
             return None;
         }
-        let (x, y, w) = if w < IBig::ZERO { (-x, -y, -w) } else { (x, y, w) };
+        let (x, y, w) = if w < IBig::ZERO {
+            (-x, -y, -w)
+        } else {
+            (x, y, w)
+        };
         let at = DVec2::new(ratio(&x, &w), ratio(&y, &w));
         Some(Self { x, y, w, at })
     }
@@ -71,6 +75,20 @@ impl Point {
     /// The point in f64, in grid steps, as near as rounding allows.
     pub fn approx(&self) -> DVec2 {
         self.at
+    }
+
+    /// Whether the point's coordinates in the level's own unit are f64 numbers without rounding.
+    pub fn survives(&self, grid: &Grid) -> bool {
+        let Step::Binary(_) = grid.step else {
+            return false;
+        };
+        let origin = grid.origin.map(|o| o as f64);
+        let scale = 2f64.powi(60);
+        let exactly = |n: &IBig, at: f64, origin: f64| {
+            let shifted = (at + origin) - origin == at;
+            shifted && IBig::from((at * scale) as i128) * &self.w == n * IBig::from(1u64 << 60)
+        };
+        exactly(&self.x, self.at.x, origin[0]) && exactly(&self.y, self.at.y, origin[1])
     }
 
     /// The grid point, if it is one.
@@ -133,7 +151,12 @@ impl Course {
         let cross = (self.to - self.from).perp_dot(at - self.from);
         // As for [`Vertices`](crate::geom::Vertices): the copies of all three points are off by at
         // most 3.01·2^-53 of the largest coordinate m, and the cross product by less than 2^-45·m².
-        let m = self.from.abs().max(self.to.abs()).max(at.abs()).max_element();
+        let m = self
+            .from
+            .abs()
+            .max(self.to.abs())
+            .max(at.abs())
+            .max_element();
         if cross.abs() > m * m * 2f64.powi(-45) {
             return Side::of(cross);
         }
@@ -219,8 +242,8 @@ pub fn on_line(
     let middle = |cell: CellId| {
         let mut met: Vec<Point> = Vec::new();
         for e in graph.edge_range(cell).map(EdgeId) {
-            let [p, q] = [graph.edge(e).origin, graph.end(e)]
-                .map(|v| Point::from(graph.vertices.exact(v)));
+            let [p, q] =
+                [graph.edge(e).origin, graph.end(e)].map(|v| Point::from(graph.vertices.exact(v)));
             let (f, g) = (p.along(a, b, c), q.along(a, b, c));
             // Each corner counts for the edge that starts in it.
             if f == IBig::ZERO {

@@ -145,7 +145,9 @@ mod tests {
     fn chains_that_face_each_other() {
         let (vertices, left, right) = sides(&[[0, 3], [8, 3]], &[[4, 0]]);
         let [l, r] = [left, right].map(|ids| {
-            ids.into_iter().map(|v| vertices.placed(v)).collect::<Vec<_>>()
+            ids.into_iter()
+                .map(|v| vertices.placed(v))
+                .collect::<Vec<_>>()
         });
         assert_eq!(distance(&l, &r), 3.0);
         assert_eq!(distance(&r, &l), 3.0);

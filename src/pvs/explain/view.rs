@@ -9,6 +9,8 @@
 //! corners of A and two of B, is sought by adding the ends of walls that are found inside it, until
 //! there is none.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::chain::{self, Best};
@@ -28,10 +30,53 @@ pub struct View {
     pub segment: Segment,
     /// The widest strip of parallel sightlines around it, and the ends that bound it.
     pub strip: Strip,
+    /// On the left and on the right: where no wall stands at the ends that bound the strip (they are
+    /// corners of the two cells), the nearest wall beside it.
+    pub beside: [Option<Beside>; 2],
     /// Whether the search came to its end; otherwise there may be a wider view.
     pub complete: bool,
     /// Steps of the search.
     pub steps: u64,
+}
+
+/// The nearest wall beside a strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// An edge of a cell on which the wall stands.
+    pub wall: EdgeId,
+    /// The place, in grid steps.
+    pub at: DVec2,
+    /// The vertex there, if the place is an end of the edge.
+    pub end: Option<VertexId>,
+    /// Distance from the strip's border, in grid steps.
+    pub distance: f64,
+}
+
+impl View {
+    /// The corners of the bundle of sightlines between two cells, counterclockwise from the left one
+    /// in `a`, in grid steps: where its borders have their middle in either cell.
+    pub fn outline(&self, graph: &CellGraph, a: CellId, b: CellId) -> [DVec2; 4] {
+        let Strip {
+            width,
+            direction,
+            middle,
+            ..
+        } = self.strip;
+        let corner = |cell: CellId, share: f64, end: &Point| {
+            // A border may do no more than touch a cell's corner: a hair's breadth inside.
+            let at = middle + direction.perp() * (width * share);
+            let along = Corners::of(graph, cell).along(at, direction);
+            at + direction * along.unwrap_or_else(|| direction.dot(end.approx() - at))
+        };
+        let Segment { from, to } = &self.segment;
+        let inside = 0.5 - 2f64.powi(-12);
+        [
+            corner(a, inside, from),
+            corner(a, -inside, from),
+            corner(b, -inside, to),
+            corner(b, inside, to),
+        ]
+    }
 }
 
 /// How often a strip is narrowed by what stands in it, or widened by better corners of its cells.
@@ -50,6 +95,7 @@ pub fn view(graph: &CellGraph, a: CellId, b: CellId, best: &Best) -> Option<View
     strips.into_iter().find_map(|strip| {
         let (segment, portals) = sightline(graph, &cells, &strip)?;
         Some(View {
+            beside: beside(graph, &cells, &strip, &portals),
             portals,
             segment,
             strip,
@@ -90,6 +136,12 @@ impl Corners {
 
     /// The middle of what a line through a point has in the cell, as a distance from the point.
     fn along(&self, point: DVec2, direction: DVec2) -> Option<f64> {
+        let [enter, leave] = self.chord(point, direction)?;
+        Some((enter + leave) / 2.0)
+    }
+
+    /// Where a line through a point enters and leaves the cell, as distances from the point.
+    fn chord(&self, point: DVec2, direction: DVec2) -> Option<[f64; 2]> {
         let n = self.at.len();
         let mut met = [f64::INFINITY, f64::NEG_INFINITY];
         for i in 0..n {
@@ -100,7 +152,7 @@ impl Corners {
                 met = [met[0].min(t), met[1].max(t)];
             }
         }
-        (met[0] < met[1]).then(|| (met[0] + met[1]) / 2.0)
+        (met[0] < met[1]).then_some(met)
     }
 }
 
@@ -189,7 +241,9 @@ impl WallEdge {
             return None;
         }
         let middle = self.at[0].lerp(self.at[1], ((from + to) / 2.0 - low) / (high - low));
-        let [a, b] = cells.each_ref().map(|cell| cell.along(middle, strip.direction));
+        let [a, b] = cells
+            .each_ref()
+            .map(|cell| cell.along(middle, strip.direction));
         // No wall stands inside a cell, so it is enough to ask on which side of the cell's middle.
         if a.is_some_and(|a| a >= 0.0) || b.is_some_and(|b| b <= 0.0) {
             return None;
@@ -233,4 +287,63 @@ fn sightline(
     }
     let line = &strip.line;
     on_line(graph, [&line.a, &line.b, &line.c], a, b).and_then(crossed)
+}
+
+/// On either side of a strip, the nearest wall between the two cells or at the end of a portal on
+/// the way; none where a wall stands at an end that bounds the strip.
+fn beside(
+    graph: &CellGraph,
+    cells: &[Corners; 2],
+    strip: &Strip,
+    portals: &[EdgeId],
+) -> [Option<Beside>; 2] {
+    let chords = cells
+        .each_ref()
+        .map(|c| c.chord(strip.middle, strip.direction));
+    let [Some([_, from]), Some([to, _])] = chords else {
+        return [None; 2];
+    };
+    let crossed: BTreeSet<VertexId> = portals
+        .iter()
+        .flat_map(|&e| [graph.edge(e).origin, graph.end(e)])
+        .collect();
+    let mut nearest: [Option<Beside>; 2] = [None; 2];
+    let mut bounded = [false; 2];
+    for wall in (0..graph.edges.len() as u32).map(EdgeId) {
+        if graph.edge(wall).twin().is_some() {
+            continue;
+        }
+        let ends = [graph.edge(wall).origin, graph.end(wall)];
+        for (bounded, side) in bounded.iter_mut().zip([&strip.left, &strip.right]) {
+            *bounded |= ends.iter().any(|v| side.contains(v));
+        }
+        let at = ends.map(|v| graph.vertices.approx(v));
+        let along = at.map(|p| strip.direction.dot(p - strip.middle));
+        let mut consider = |at: DVec2, end: Option<VertexId>| {
+            let offset = strip.offset(at) * strip.width;
+            let nearest = &mut nearest[usize::from(offset < 0.0)];
+            let distance = (offset.abs() - strip.width / 2.0).max(0.0);
+            if nearest.is_none_or(|n| distance < n.distance) {
+                *nearest = Some(Beside {
+                    wall,
+                    at,
+                    end,
+                    distance,
+                });
+            }
+        };
+        for i in [0, 1] {
+            if (from <= along[i] && along[i] <= to) || crossed.contains(&ends[i]) {
+                consider(at[i], Some(ends[i]));
+            }
+        }
+        // Where the wall comes in from before the one cell or beyond the other.
+        for limit in [from, to] {
+            let share = (limit - along[0]) / (along[1] - along[0]);
+            if share > 0.0 && share < 1.0 {
+                consider(at[0].lerp(at[1], share), None);
+            }
+        }
+    }
+    [0, 1].map(|i| nearest[i].filter(|_| !bounded[i]))
 }

@@ -42,8 +42,9 @@ struct End {
 #[derive(Clone, Copy)]
 struct Node {
     root: DVec2,
-    /// The root, unless it is the start.
+    /// The root, unless it is the start, and the bend before it.
     bend: Option<VertexId>,
+    before: Option<VertexId>,
     /// Length of the way to the root.
     length: f64,
     /// The portal, as an edge of the cell that is left.
@@ -85,16 +86,13 @@ struct Search<'a> {
     goal: (CellId, DVec2),
     nodes: Vec<Node>,
     queue: BinaryHeap<Entry>,
-    /// The shortest way to each bend so far.
-    reached: FxHashMap<VertexId, f64>,
+    /// The length of the shortest way to each bend so far, and the bend before. Of ways of the same
+    /// length, as there are along corners in line, one is enough.
+    reached: FxHashMap<VertexId, (f64, Option<VertexId>)>,
 }
 
 /// The shortest way from a point in a cell to a point in another; `None` where no way leads there.
-pub fn shortest(
-    graph: &CellGraph,
-    start: (CellId, DVec2),
-    goal: (CellId, DVec2),
-) -> Option<Way> {
+pub fn shortest(graph: &CellGraph, start: (CellId, DVec2), goal: (CellId, DVec2)) -> Option<Way> {
     let mut search = Search {
         graph,
         goal,
@@ -116,6 +114,7 @@ pub fn shortest(
             search.push(Node {
                 root,
                 bend: None,
+                before: None,
                 length: 0.0,
                 portal,
                 left: search.end_of(portal),
@@ -153,11 +152,13 @@ impl Search<'_> {
             return;
         }
         if let Some(bend) = node.bend {
-            let known = self.reached.entry(bend).or_insert(node.length);
-            if node.length > *known {
+            let this = (node.length, node.before);
+            let known = self.reached.entry(bend).or_insert(this);
+            if node.length < known.0 {
+                *known = this;
+            } else if *known != this {
                 return;
             }
-            *known = node.length;
         }
         self.queue.push(Entry {
             length: node.length + through(node.root, [node.left.at, node.right.at], self.goal.1),
@@ -171,7 +172,7 @@ impl Search<'_> {
     fn expand(&mut self, index: u32) {
         let node = self.nodes[index as usize];
         if let Some(bend) = node.bend
-            && self.reached.get(&bend).is_some_and(|&l| node.length > l)
+            && self.reached.get(&bend) != Some(&(node.length, node.before))
         {
             return;
         }
@@ -199,9 +200,10 @@ impl Search<'_> {
     /// The parts of a portal that are seen from the node's root through its interval, and those that
     /// are not: there the way bends at the interval's end.
     fn pass(&mut self, index: u32, node: &Node, portal: EdgeId, right: End, left: End) {
-        let next = |root: DVec2, bend, length, [right, left]: [End; 2]| Node {
+        let next = |root: DVec2, [bend, before]: [_; 2], length, [right, left]: [End; 2]| Node {
             root,
             bend,
+            before,
             length,
             portal,
             left,
@@ -211,7 +213,10 @@ impl Search<'_> {
         // How far along the edge the two lines of sight cut it; both 0 or both 1 if beside it.
         let cut = |end: End| {
             let ray = end.at - node.root;
-            let (f, g) = (ray.perp_dot(right.at - node.root), ray.perp_dot(left.at - node.root));
+            let (f, g) = (
+                ray.perp_dot(right.at - node.root),
+                ray.perp_dot(left.at - node.root),
+            );
             if f >= 0.0 && g >= 0.0 {
                 0.0
             } else if f <= 0.0 && g <= 0.0 {
@@ -221,8 +226,16 @@ impl Search<'_> {
             }
         };
         // A root in the interval's end sees all on its own side.
-        let low = if node.root == node.right.at { 0.0 } else { cut(node.right) };
-        let high = if node.root == node.left.at { 1.0 } else { cut(node.left) };
+        let low = if node.root == node.right.at {
+            0.0
+        } else {
+            cut(node.right)
+        };
+        let high = if node.root == node.left.at {
+            1.0
+        } else {
+            cut(node.left)
+        };
         let at = |t: f64| match t {
             0.0 => right,
             1.0 => left,
@@ -236,7 +249,7 @@ impl Search<'_> {
                 && end.at != node.root
             {
                 let length = node.length + node.root.distance(end.at);
-                self.push(next(end.at, Some(bend), length, part));
+                self.push(next(end.at, [Some(bend), node.bend], length, part));
             }
         };
         if low > 0.0 {
@@ -246,7 +259,8 @@ impl Search<'_> {
             bent(node.left, [at(high), left]);
         }
         if low < high {
-            self.push(next(node.root, node.bend, node.length, [at(low), at(high)]));
+            let bends = [node.bend, node.before];
+            self.push(next(node.root, bends, node.length, [at(low), at(high)]));
         }
     }
 
