@@ -13,6 +13,7 @@ mod output;
 mod picture;
 mod plan;
 mod progress;
+mod study;
 mod summary;
 mod verify;
 
@@ -37,6 +38,7 @@ enum Command {
     Export(export::ExportArgs),
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
+    Study(study::StudyArgs),
 }
 
 /// What a command that ran to its end has to say.
@@ -58,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Study(args) => study::run(&args),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,
