@@ -6,9 +6,11 @@
 mod build;
 mod check;
 mod compute;
+mod explain;
 mod export;
 mod level_args;
 mod output;
+mod picture;
 mod plan;
 mod progress;
 mod study;
@@ -32,6 +34,7 @@ struct Cli {
 enum Command {
     Build(build::BuildArgs),
     Check(check::CheckArgs),
+    Explain(explain::ExplainArgs),
     Export(export::ExportArgs),
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
@@ -65,6 +68,7 @@ pub fn main(memory: Option<Memory>) -> ExitCode {
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),

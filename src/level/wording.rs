@@ -75,6 +75,23 @@ pub fn coordinate(level: &Level, x: f64) -> String {
     }
 }
 
+/// A length with four digits, more for large ones and powers of ten for tiny ones: `0.9`, `1436`,
+/// `2.5e-7`.
+pub fn length(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    if x.abs() < 1e-3 {
+        return format!("{x:.1e}");
+    }
+    let digits = (3 - x.abs().log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{x:.digits$}");
+    match text.split_once('.') {
+        Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        None => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,6 +103,16 @@ mod tests {
         assert_eq!(grouped(15_123_456), "15,123,456");
         assert_eq!(count(1, "cell"), "1 cell");
         assert_eq!(count_of(2000, "vertex", "vertices"), "2,000 vertices");
+    }
+
+    #[test]
+    fn lengths() {
+        assert_eq!(length(0.9), "0.9");
+        assert_eq!(length(1436.4), "1436");
+        assert_eq!(length(14.2049), "14.2");
+        assert_eq!(length(0.0123456), "0.01235");
+        assert_eq!(length(2.5e-7), "2.5e-7");
+        assert_eq!(length(0.0), "0");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::cells::{CellGraph, CellId};
 use crate::level::{Level, wording};
-pub use wording::{coordinate, count, count_of, duration, grouped, unit};
+pub use wording::{coordinate, count, count_of, duration, grouped, length, unit};
 
 /// The room or sector in which a cell lies: ` in 'Hall'`, ` in sector 12`, or nothing.
 pub fn in_sector(level: &Level, graph: &CellGraph, cell: CellId) -> String {

@@ -9,6 +9,7 @@ mod sightline;
 
 mod agree;
 mod cli;
+mod explain;
 mod hard;
 mod property;
 mod readers;
