@@ -11,6 +11,7 @@ mod agree;
 mod cli;
 mod explain;
 mod hard;
+mod heights;
 mod property;
 mod readers;
 mod readme;

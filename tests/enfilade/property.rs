@@ -18,7 +18,7 @@ use crate::plan::{Ink, Stroke, level, moved, rectangle, ring};
 use crate::reference;
 
 /// Runs `check` on random values; prints how many, and from which seed.
-fn on_random<S: Strategy>(
+pub fn on_random<S: Strategy>(
     name: &'static str,
     cases: u32,
     strategy: S,
