@@ -1,5 +1,5 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
-//! them need stands in `browser`, `plan`, `sightline`, `reference` and `compare`.
+//! them need stands in `browser`, `plan`, `random`, `sightline`, `reference` and `compare`.
 
 mod browser;
 mod compare;
@@ -15,6 +15,7 @@ mod explain;
 mod generated;
 mod hard;
 mod heights;
+mod programme;
 mod property;
 mod readers;
 mod readme;
