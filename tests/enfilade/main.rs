@@ -9,6 +9,7 @@ mod sightline;
 mod agree;
 mod cli;
 mod hard;
+mod methods;
 mod property;
 mod readers;
 mod readme;
