@@ -6,11 +6,13 @@
 
 use std::cmp::Ordering;
 
+use dashu_int::{IBig, Sign};
 use ethnum::I256;
 use glam::DVec2;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::grid::{GRID_LIMIT, GridPoint};
+use super::interval::Interval;
 use super::line::Line;
 use super::vertex::Vertex;
 
@@ -35,6 +37,17 @@ impl Side {
             Side::Right
         } else {
             Side::On
+        }
+    }
+
+    /// Left for positive, right for negative numbers of any size.
+    pub fn of_big(n: &IBig) -> Self {
+        if n.is_zero() {
+            Side::On
+        } else if n.sign() == Sign::Positive {
+            Side::Left
+        } else {
+            Side::Right
         }
     }
 
@@ -124,8 +137,11 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
-    /// A cross product of the f64 copies larger than this has the true sign.
+    /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
+    /// it is off by less.
     bound: f64,
+    /// How far a coordinate of an f64 copy is off at most.
+    error: f64,
 }
 
 impl Vertices {
@@ -133,18 +149,20 @@ impl Vertices {
     pub fn new(exact: Vec<Vertex>) -> Self {
         let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
         let all_grid = exact.iter().all(|v| v.grid().is_some());
-        let bound = if all_grid {
+        let largest = || {
+            let coordinates = approx.iter().map(|p| p.x.abs().max(p.y.abs()));
+            coordinates.fold(0.0f64, f64::max)
+        };
+        let (bound, error) = if all_grid {
             // Differences have at most 27 bits, products 53, and so has their difference.
-            0.0
+            (0.0, 0.0)
         } else {
             // With M the largest coordinate and u = 2^-53: a copy is off by at most 3.01·u·M, a
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = approx
-                .iter()
-                .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
-            m * m * 2f64.powi(-45)
+            let m = largest();
+            (m * m * 2f64.powi(-45), m * 2f64.powi(-51))
         };
         let narrow = width(&exact) <= 127;
         Self {
@@ -153,6 +171,7 @@ impl Vertices {
             all_grid,
             narrow,
             bound,
+            error,
         }
     }
 
@@ -164,6 +183,19 @@ impl Vertices {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.exact.is_empty()
+    }
+
+    /// Whether every vertex is a grid point: then the copies are exact.
+    #[inline]
+    pub fn is_grid(&self) -> bool {
+        self.all_grid
+    }
+
+    /// By how much the cross product, or the scalar product, of two differences of f64 copies can be
+    /// off, computed in f64: a larger one has the true sign.
+    #[inline]
+    pub fn bound(&self) -> f64 {
+        self.bound
     }
 
     /// The exact vertex.
@@ -227,6 +259,31 @@ impl Vertices {
         }
     }
 
+    /// Twice the area of the triangle, positive where `r` lies left of the way from `p` to `q`: an
+    /// interval on the true side of zero, and exactly zero where the three lie on one line.
+    #[inline]
+    pub fn area(&self, p: &Placed, q: &Placed, r: &Placed) -> Interval {
+        let (to_q, to_r) = (q.at - p.at, r.at - p.at);
+        let cross = to_q.x * to_r.y - to_q.y * to_r.x;
+        if self.all_grid {
+            return Interval::point(cross);
+        }
+        if p.id == r.id || q.id == r.id || p.id == q.id {
+            return Interval::ZERO;
+        }
+        let area = Interval::around(cross, self.bound);
+        if cross.abs() > self.bound {
+            area
+        } else {
+            area.on(self.orient_exact(p.id, q.id, r.id))
+        }
+    }
+
+    /// How far a coordinate of an f64 copy may be off; zero where all vertices are grid points.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
     #[cold]
     #[inline(never)]
     fn orient_exact(&self, p: VertexId, q: VertexId, r: VertexId) -> Side {
@@ -262,6 +319,49 @@ impl Vertices {
     #[inline(never)]
     fn side_along_exactly(&self, line: &Directed, r: VertexId) -> Side {
         orient(&line.from.into(), &line.to.into(), self.exact(r))
+    }
+
+    /// To which side somebody turns who walked from `p` to `q` and goes on as from `r` to `s`: the
+    /// sign of the cross product of the two ways.
+    #[inline]
+    pub fn turn(&self, [p, q]: [&Placed; 2], [r, s]: [&Placed; 2]) -> Side {
+        // The bound of `orient_from` is for any cross product of two differences.
+        let (to_q, to_s) = (q.at - p.at, s.at - r.at);
+        let cross = to_q.x * to_s.y - to_q.y * to_s.x;
+        if cross.abs() > self.bound || self.all_grid {
+            return Side::of(cross);
+        }
+        let [(ax, ay), (bx, by)] = self.ways([p, q], [r, s]);
+        Side::of_big(&(ax * by - ay * bx))
+    }
+
+    /// Whether the ways from `p` to `q` and from `r` to `s` lead in the same direction (`Greater`:
+    /// they make an acute angle), in opposite ones (`Less`), or at right angles: the sign of their
+    /// scalar product.
+    #[inline]
+    pub fn facing(&self, [p, q]: [&Placed; 2], [r, s]: [&Placed; 2]) -> Ordering {
+        // Two products of differences are added, as they are subtracted in a cross product: the
+        // same bound holds.
+        let (to_q, to_s) = (q.at - p.at, s.at - r.at);
+        let dot = to_q.x * to_s.x + to_q.y * to_s.y;
+        if dot.abs() > self.bound || self.all_grid {
+            return dot.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        }
+        let [(ax, ay), (bx, by)] = self.ways([p, q], [r, s]);
+        (ax * bx + ay * by).cmp(&IBig::ZERO)
+    }
+
+    /// The differences `q - p` and `s - r`, each times a positive number. Of 135 bits, so that their
+    /// products do not fit 256.
+    #[cold]
+    fn ways(&self, first: [&Placed; 2], second: [&Placed; 2]) -> [(IBig, IBig); 2] {
+        [first, second].map(|[p, q]| {
+            let (p, q) = (self.exact(p.id), self.exact(q.id));
+            let less = |m: i128, n: i128| {
+                IBig::from(m) * IBig::from(p.w()) - IBig::from(n) * IBig::from(q.w())
+            };
+            (less(q.x(), p.x()), less(q.y(), p.y()))
+        })
     }
 
     /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same

@@ -7,6 +7,7 @@
 //! compared with. What each promises is its [`Class`].
 
 mod bits;
+pub mod explain;
 mod fan;
 pub mod file;
 mod flat;
@@ -289,7 +290,7 @@ impl Progress {
     }
 
     /// Asks the computation to come to an end soon. Methods with undecided pairs then leave what is
-    /// open undecided; others take no notice.
+    /// open undecided, the search gives up; others take no notice.
     pub fn stop(&self) {
         self.stop.store(true, Relaxed);
     }

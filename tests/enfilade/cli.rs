@@ -442,6 +442,7 @@ fn each_method_declares_its_class() {
         .expect("a number");
     for (method, class, further) in [
         ("search", "exact", &[][..]),
+        ("lp", "approximate", &["--time-limit", "600"]),
         ("flow", "approximate", &["--time-limit", "600"]),
         ("flood", "conservative", &[]),
         ("sample", "aggressive", &["--rays", "20", "--seed", "3"]),

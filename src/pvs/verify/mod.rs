@@ -18,8 +18,10 @@
 //! that claims to miss nothing (exact, conservative); in the others (aggressive, approximate) such
 //! pairs are counted.
 
+mod caster;
 mod cells;
 mod ground;
+mod pair;
 mod sight;
 mod walls;
 
@@ -27,6 +29,8 @@ mod walls;
 mod tests;
 
 use std::fmt;
+
+pub use caster::{Caster, Place};
 
 use super::file::{LevelInfo, PvsFile};
 use super::{Class, Progress};
