@@ -2,6 +2,7 @@
 //!
 //! Coordinates are x right, y up, in grid steps. Nothing in here, nor in `cells`, `sight` and `pvs`,
 //! compares a floating-point number with a tolerance: see [`predicate`] for how signs are decided.
+//! (But for the methods in floating point that `pvs` holds to be compared with: `flow` and `lp`.)
 
 mod grid;
 pub mod interval;
@@ -12,5 +13,5 @@ mod vertex;
 pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
 pub use interval::Interval;
 pub use line::Line;
-pub use predicate::{Placed, Side, VertexId, VertexSet, Vertices, orient};
+pub use predicate::{Directed, Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

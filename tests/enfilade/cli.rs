@@ -435,6 +435,132 @@ fn threads_and_method_change_nothing_in_the_json() {
 }
 
 #[test]
+fn each_method_declares_its_class() {
+    let house = level("house.toml");
+    let exact = json(&[&house])["visibility"]["pairs"]
+        .as_u64()
+        .expect("a number");
+    for (method, class, further) in [
+        ("search", "exact", &[][..]),
+        ("lp", "approximate", &["--time-limit", "600"]),
+        ("flow", "approximate", &["--time-limit", "600"]),
+        ("flood", "conservative", &[]),
+        ("sample", "aggressive", &["--rays", "20", "--seed", "3"]),
+    ] {
+        let mut arguments = vec![&house[..], "--method", method];
+        arguments.extend(further);
+        let visibility = json(&arguments)["visibility"].clone();
+        assert_eq!(
+            (&visibility["method"], &visibility["class"]),
+            (&method.into(), &class.into())
+        );
+        assert_eq!(visibility["undecided"], 0);
+        let pairs = visibility["pairs"].as_u64().expect("a number");
+        match class {
+            "exact" => assert_eq!(pairs, exact),
+            "conservative" => assert!(pairs > exact),
+            "aggressive" => assert!(pairs < exact),
+            _ => assert!(pairs > exact / 2),
+        }
+        // The summary says so, and so does the file, to `verify` too.
+        let (_folder, path) = file("house.pvs", b"");
+        let mut arguments = vec!["build", &house, "--method", method, "-o", &path];
+        arguments.extend(further);
+        let summary = String::from_utf8(enfilade(&arguments).stdout).expect("text");
+        assert!(
+            summary.contains(&format!("{method} ({class})")),
+            "{summary}"
+        );
+        assert!(!summary.contains("undecided"), "{summary}");
+        let back = enfilade::pvs::file::decode(&fs::read(&path).expect("written"));
+        assert_eq!(back.expect("a PVS file").pvs.class.as_str(), class);
+        let checked = enfilade(&["verify", &path, &house, "--segments", "5000"]);
+        assert_eq!(checked.status.code(), Some(0), "{method}");
+        let told = String::from_utf8(checked.stdout).expect("text");
+        let missed = format!("not listed, as its class, {class}, allows");
+        assert_eq!(told.contains(&missed), class == "aggressive", "{told}");
+    }
+}
+
+#[test]
+fn the_seed_and_the_number_of_rays_count() {
+    let museum = level("museum.toml");
+    let with = |rays: &str, seed: &str| {
+        json(&[
+            &museum, "--method", "sample", "--rays", rays, "--seed", seed,
+        ])["visible"]
+            .clone()
+    };
+    assert_eq!(with("5", "1"), with("5", "1"));
+    assert_ne!(with("5", "1"), with("5", "2"));
+    assert_ne!(with("5", "1"), with("9", "1"));
+}
+
+#[test]
+fn what_is_left_undecided_is_said() {
+    let maze = level("maze.toml");
+    let (_folder, path) = file("maze.pvs", b"");
+    let hurried = ["--method", "flow", "--time-limit", "1e-9"];
+    let mut arguments = vec!["build", &maze, "-o", &path];
+    arguments.extend(hurried);
+    let output = enfilade(&arguments);
+    assert_eq!(output.status.code(), Some(0));
+    let summary = String::from_utf8(output.stdout).expect("text");
+    assert!(summary.contains("undecided"), "{summary}");
+    assert!(summary.contains("without proof"), "{summary}");
+    let undecided = enfilade::pvs::file::decode(&fs::read(&path).expect("written"))
+        .expect("a PVS file")
+        .pvs
+        .undecided;
+    assert!(undecided > 0);
+    let mut arguments = vec![&maze[..]];
+    arguments.extend(hurried);
+    assert!(json(&arguments)["visibility"]["undecided"].as_u64() > Some(0));
+    let mut arguments = vec!["build", &maze, "--subdivision", "compare"];
+    arguments.extend(hurried);
+    let table = String::from_utf8(enfilade(&arguments).stdout).expect("text");
+    assert!(
+        table.contains("flow (approximate)") && table.contains("undecided"),
+        "{table}"
+    );
+}
+
+#[test]
+fn options_of_other_methods_are_refused() {
+    let tiny = level("tiny.toml");
+    let refused = |further: &[&str], parts: &[&str]| {
+        let mut arguments = vec!["build", &tiny];
+        arguments.extend(further);
+        refused(&arguments, parts);
+    };
+    refused(&["--rays", "5"], &["--rays", "--method sample"]);
+    refused(
+        &["--method", "flow", "--seed", "5"],
+        &["--seed", "--method sample"],
+    );
+    refused(&["--method", "sample", "--rays", "0"], &["--rays", "0"]);
+    refused(
+        &["--method", "flood", "--max-steps", "5"],
+        &["--max-steps", "--method search"],
+    );
+    for method in ["sweep", "search", "flood", "sample"] {
+        refused(
+            &["--method", method, "--time-limit", "5"],
+            &["--time-limit", "lp", "flow", "--heights"],
+        );
+    }
+    for limit in ["0", "-1", "soon", "nan"] {
+        let given = format!("--time-limit={limit}");
+        refused(&["--method", "flow", &given], &["--time-limit", "above 0"]);
+    }
+    refused(
+        &["--heights", "--method", "flow"],
+        &["--heights", "leave --method out"],
+    );
+    refused(&["--splits", "5"], &["--heights"]);
+}
+
+#[test]
 fn what_samples_say_is_utf8_text() {
     let text = sample("tiny.toml");
     let (_folder, path) = file("with mark.toml", format!("\u{feff}{text}").as_bytes());

@@ -15,6 +15,7 @@ mod explain;
 mod generated;
 mod hard;
 mod heights;
+mod methods;
 mod programme;
 mod property;
 mod readers;

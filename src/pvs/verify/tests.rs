@@ -4,7 +4,8 @@ use super::*;
 use crate::cells::{Doors, Options, Subdivision, subdivide};
 use crate::level::{doom, snap, toml, wad};
 use crate::pvs::file::{decode, encode};
-use crate::pvs::{BitMatrix, Progress, sweep};
+use crate::pvs::sample::SampleOptions;
+use crate::pvs::{BitMatrix, Method, Progress, Pvs, flood, sample, sweep};
 
 const FEW: VerifyOptions = VerifyOptions {
     segments: 20_000,
@@ -134,6 +135,84 @@ fn a_missing_pair_is_found() {
                 );
             }
         }
+    }
+}
+
+/// The file with another PVS.
+fn with(file: &PvsFile, pvs: Pvs) -> PvsFile {
+    PvsFile {
+        pvs,
+        ..file.clone()
+    }
+}
+
+#[test]
+fn a_file_is_held_to_what_its_class_promises() {
+    let museum = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/museum.toml");
+    let level = read(&std::fs::read_to_string(museum).unwrap());
+    let exact = built(&level, Options::default());
+    let few = SampleOptions { rays: 2, seed: 1 };
+    let few = sample::sample(&exact.graph, &few, &Progress::default());
+    assert!(few.pairs() < exact.pvs.pairs());
+    for class in Class::ALL {
+        let claimed = Pvs {
+            class,
+            ..few.clone()
+        };
+        let file = with(&exact, claimed);
+        let found = verify(&file, &level, &FEW, &Progress::default());
+        match found {
+            Ok(done) => {
+                assert!(!class.is_complete() && done.missed > 0 && done.missed < done.met);
+                let said = format!(
+                    "{} not listed, as its class, {}",
+                    done.missed,
+                    class.as_str()
+                );
+                assert!(done.to_string().contains(&said), "{done}");
+            }
+            Err(failure) => {
+                assert!(class.is_complete() && matches!(failure, Failure::Missed { .. }));
+                let said = failure.describe(&file, &level);
+                assert!(said.contains(class.as_str()), "{said}");
+            }
+        }
+    }
+    let flooded = with(&exact, flood::flood(&exact.graph, &Progress::default()));
+    let done = verify(&flooded, &level, &FEW, &Progress::default()).unwrap();
+    assert_eq!((done.missed, done.class), (0, Class::Conservative));
+    assert!(done.to_string().contains("every one listed"), "{done}");
+}
+
+#[test]
+fn a_pair_that_no_portals_join_is_found() {
+    let level = read(
+        &TWO_ROOMS
+            .replace("[[door]]", "[[window]]")
+            .replace("width", "state = \"closed\"\nwidth"),
+    );
+    let options = Options {
+        doors: Doors::Closed,
+        ..Options::default()
+    };
+    let file = built(&level, options);
+    assert!(file.graph.portals.is_empty());
+    for class in Class::ALL {
+        let mut visible = BitMatrix::new(2);
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            visible.set(i, j);
+        }
+        let all = Pvs {
+            visible,
+            class,
+            method: Method::Flood,
+            ..file.pvs.clone()
+        };
+        let file = with(&file, all);
+        let found = verify(&file, &level, &FEW, &Progress::default());
+        let parted = Failure::Parted(CellId(0), CellId(1));
+        assert_eq!(found.err(), class.is_sound().then_some(parted));
+        assert!(parted.describe(&file, &level).contains("portals"));
     }
 }
 
