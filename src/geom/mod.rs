@@ -5,13 +5,13 @@
 //! (But for the methods in floating point that `pvs` holds to be compared with: `flow` and `lp`.)
 
 mod grid;
-pub mod interval;
+mod interval;
 mod line;
 pub mod predicate;
 mod vertex;
 
 pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
-pub use interval::Interval;
+pub use interval::{Interval, Span};
 pub use line::Line;
 pub use predicate::{Directed, Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

@@ -53,10 +53,24 @@ impl Meeting {
 
 impl Corners {
     /// The corners for the funnel's chain, of at least two portals.
-    pub fn set(&mut self, funnel: &Funnel, origin: DVec2) {
+    pub fn set(&mut self, vertices: &Vertices, funnel: &Funnel, origin: DVec2) {
         self.origin = origin;
         self.list.clear();
-        self.list.extend(funnel.corners().map(|[from, to]| {
+        // Where three vertices lie in line, neighbouring corners are one.
+        let same = |[p, q]: &[Placed; 2], [r, s]: &[Placed; 2]| {
+            let on = |r| vertices.area(p, q, r) == Interval::ZERO;
+            on(r) && on(s)
+        };
+        let mut lines: SmallVec<[[Placed; 2]; 8]> = SmallVec::new();
+        for line in funnel.corners() {
+            if lines.last().is_none_or(|before| !same(before, &line)) {
+                lines.push(line);
+            }
+        }
+        if lines.len() > 3 && same(&lines[0], &lines[lines.len() - 1]) {
+            lines.pop();
+        }
+        self.list.extend(lines.into_iter().map(|[from, to]| {
             let d = to.at - from.at;
             let scale = 1.0 / power_below(d.x.abs().max(d.y.abs()));
             let (a, b) = (-d.y * scale, d.x * scale);

@@ -12,7 +12,10 @@
 //! 3. Random points lie in exactly one cell where the level's own walls (by rays, or by the parity
 //!    of outlines) say inside, and in none where they say outside (`ground`).
 //! 4. Cells along random free segments, many of them just past the ends of walls, see each other
-//!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free.
+//!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free. With
+//!    heights, the segments are in space, many of them just past sills, lintels and steps, and must
+//!    also keep between the floors and ceilings of the level's sectors and within the heights of its
+//!    openings (`space`).
 //!
 //! A file is held to what its class promises. A pair that is met but not listed is a failure in one
 //! that claims to miss nothing (exact, conservative); in the others (aggressive, approximate) such
@@ -23,6 +26,7 @@ mod cells;
 mod ground;
 mod pair;
 mod sight;
+mod space;
 mod walls;
 
 #[cfg(test)]
@@ -31,6 +35,8 @@ mod tests;
 use std::fmt;
 
 pub use caster::{Caster, Place};
+
+use glam::DVec3;
 
 use super::file::{LevelInfo, PvsFile};
 use super::{Class, Progress};
@@ -78,9 +84,11 @@ pub struct Verified {
     pub outside: u64,
     /// Random points about which the level's walls contradict each other, or say nothing.
     pub contested: u64,
-    /// Segments that touch no opaque wall.
+    /// Whether the segments are in space.
+    pub heights: bool,
+    /// Segments that touch no opaque wall; in space, that pass from some cell to another.
     pub free: u64,
-    /// Segments that touch one, or pass exactly through a corner of cells: not used.
+    /// Segments that do not, or pass exactly through a corner of cells: not used.
     pub discarded: u64,
     /// Pairs of cells met along free segments (with repetition).
     pub met: u64,
@@ -90,9 +98,9 @@ pub struct Verified {
     pub class: Class,
 }
 
-/// The first fault found. Points are in grid steps; [`Failure::describe`] says them in the level's
-/// own coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The first fault found. Points on the plan are in grid steps; [`Failure::describe`] says them in the
+/// level's own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
     /// The file was made from another level, or this one has been changed since.
     OtherLevel,
@@ -132,6 +140,17 @@ pub enum Failure {
         /// Its end.
         to: GridPoint,
     },
+    /// Two cells are joined by a free segment in space, but not listed as visible.
+    MissedInSpace {
+        /// One cell.
+        a: CellId,
+        /// The other.
+        b: CellId,
+        /// Where the segment leaves the first, in the level's own coordinates.
+        from: DVec3,
+        /// Where it enters the second.
+        to: DVec3,
+    },
     /// A free segment leaves the cells where they should end at an opaque wall.
     Escape {
         /// The edge through which it leaves.
@@ -163,6 +182,7 @@ pub fn verify(
     let mut done = Verified {
         cells: file.graph.cells.len(),
         class: file.pvs.class,
+        heights: file.pvs.heights,
         ..Verified::default()
     };
     done.pairs = relation(file)?;
@@ -174,7 +194,11 @@ pub fn verify(
     progress.begin((options.points + options.segments) as usize);
     ground::check(file, level, &walls, &outer, options, &mut done)?;
     progress.advance(options.points as usize);
-    sight::check(file, &walls, &outer, options, progress, &mut done)?;
+    if file.pvs.heights {
+        space::check(file, level, &walls, &outer, options, progress, &mut done)?;
+    } else {
+        sight::check(file, &walls, &outer, options, progress, &mut done)?;
+    }
     Ok(done)
 }
 
@@ -304,6 +328,11 @@ impl Failure {
                 point(to),
                 file.pvs.class.as_str()
             ),
+            Failure::MissedInSpace { a, b, from, to } => format!(
+                "cells {} and {} are not listed as visible, but the straight line that leaves the \
+                 one at {from} and enters the other at {to} is free",
+                a.0, b.0
+            ),
             Failure::Escape { edge: e, from, to } => format!(
                 "the free segment from {} to {} leaves the cells through {} where sight should \
                  end",
@@ -353,8 +382,11 @@ impl fmt::Display for Verified {
         };
         writeln!(
             f,
-            "segments    {} free ones met {} pairs of cells, {listed} ({} others discarded)",
-            self.free, self.met, self.discarded
+            "segments    {} free ones{} met {} pairs of cells, {listed} ({} others discarded)",
+            self.free,
+            if self.heights { " in space" } else { "" },
+            self.met,
+            self.discarded
         )
     }
 }

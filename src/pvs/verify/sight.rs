@@ -35,9 +35,9 @@ pub(super) fn check(
             let mut rng = Pcg64Mcg::seed_from_u64(seed);
             let n = CHUNK.min(options.segments - chunk * CHUNK);
             let mut counts = [0; 4];
-            let mut path = Vec::new();
+            let mut way = Way::default();
             for _ in 0..n {
-                match caster.cast(&mut rng, &mut path)? {
+                match caster.cast(&mut rng, &mut way)? {
                     Some([met, missed]) => {
                         counts[0] += 1;
                         counts[2] += met;
@@ -60,7 +60,17 @@ pub(super) fn check(
     Ok(())
 }
 
-struct Caster<'a> {
+/// A segment's way through the cells.
+#[derive(Default)]
+pub(super) struct Way {
+    /// The cells, in order.
+    pub path: Vec<CellId>,
+    /// The edges through which it leaves one for the next.
+    pub exits: Vec<EdgeId>,
+}
+
+/// Finds segments that are free on the plan.
+pub(super) struct Caster<'a> {
     file: &'a PvsFile,
     graph: &'a CellGraph,
     walls: &'a Walls,
@@ -76,7 +86,7 @@ struct Caster<'a> {
 }
 
 impl<'a> Caster<'a> {
-    fn new(file: &'a PvsFile, walls: &'a Walls, outer: &'a [bool]) -> Self {
+    pub fn new(file: &'a PvsFile, walls: &'a Walls, outer: &'a [bool]) -> Self {
         let graph = &file.graph;
         let (low, high) = walls.all.extent();
         let largest = [low.x, low.y, high.x, high.y]
@@ -101,24 +111,11 @@ impl<'a> Caster<'a> {
 
     /// Tries one segment. `None` if it is not free; otherwise the number of pairs of cells met, and of
     /// those that are not listed, where the file does not claim to list all.
-    fn cast(
-        &self,
-        rng: &mut Pcg64Mcg,
-        path: &mut Vec<CellId>,
-    ) -> Result<Option<[u64; 2]>, Failure> {
-        let Some((from, cell)) = self.start(rng) else {
+    fn cast(&self, rng: &mut Pcg64Mcg, way: &mut Way) -> Result<Option<[u64; 2]>, Failure> {
+        let Some((from, to)) = self.segment(rng, way)? else {
             return Ok(None);
         };
-        let direction = self.aim(rng, from);
-        let Some(to) = self.reach(rng, from, direction) else {
-            return Ok(None);
-        };
-        if self.walls.opaque.touched(from, to) {
-            return Ok(None);
-        }
-        if !self.walk(from, to, cell, path)? {
-            return Ok(None);
-        }
+        let path = &way.path;
         let pvs = &self.file.pvs;
         let (mut met, mut missed) = (0, 0);
         for (i, &a) in path.iter().enumerate() {
@@ -133,6 +130,27 @@ impl<'a> Caster<'a> {
             }
         }
         Ok(Some([met, missed]))
+    }
+
+    /// A random segment that touches no opaque wall, and its way through the cells; `None` if there was
+    /// none at the first try.
+    pub fn segment(
+        &self,
+        rng: &mut Pcg64Mcg,
+        way: &mut Way,
+    ) -> Result<Option<(GridPoint, GridPoint)>, Failure> {
+        let Some((from, cell)) = self.start(rng) else {
+            return Ok(None);
+        };
+        let direction = self.aim(rng, from);
+        let Some(to) = self.reach(rng, from, direction) else {
+            return Ok(None);
+        };
+        if self.walls.opaque.touched(from, to) {
+            return Ok(None);
+        }
+        let proper = self.walk(from, to, cell, way)?;
+        Ok(proper.then_some((from, to)))
     }
 
     /// A grid point strictly inside a cell: anywhere in a random cell, or close to a corner where
@@ -225,9 +243,10 @@ impl<'a> Caster<'a> {
         from: GridPoint,
         to: GridPoint,
         start: CellId,
-        path: &mut Vec<CellId>,
+        Way { path, exits }: &mut Way,
     ) -> Result<bool, Failure> {
         path.clear();
+        exits.clear();
         path.push(start);
         let mut cell = start;
         loop {
@@ -273,6 +292,7 @@ impl<'a> Caster<'a> {
                 // Cannot happen where cells are convex and fit; but a file is not to be trusted.
                 return Ok(false);
             }
+            exits.push(exit);
             path.push(cell);
         }
     }
