@@ -50,8 +50,20 @@ enum Answer {
     No,
 }
 
-/// Runs the program on the process's arguments.
-pub fn main() -> ExitCode {
+/// How a program that counts its heap tells what is on it, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// What is on it now.
+    pub now: fn() -> usize,
+    /// The most that was on it since the last [`Memory::forget_peak`].
+    pub peak: fn() -> usize,
+    /// Begins anew with what is on it now.
+    pub forget_peak: fn(),
+}
+
+/// Runs the program on the process's arguments. Without `memory`, studies leave out what the methods
+/// need of it.
+pub fn main(memory: Option<Memory>) -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
@@ -60,7 +72,7 @@ pub fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
-        Command::Study(args) => study::run(&args),
+        Command::Study(args) => study::run(&args, memory),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

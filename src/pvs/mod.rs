@@ -270,7 +270,7 @@ impl Progress {
     }
 
     /// Asks the computation to come to an end soon. Methods with undecided pairs then leave what is
-    /// open undecided; others take no notice.
+    /// open undecided, the search gives up; others take no notice.
     pub fn stop(&self) {
         self.stop.store(true, Relaxed);
     }

@@ -16,6 +16,7 @@ use dashu_int::IBig;
 
 use super::funnel::{Funnel, Undo};
 use super::hulls::{self, Hulls};
+use super::stab::meet;
 use super::strip::Strip;
 use super::{Contradiction, Gate, Slack, Stabbing, Witness};
 use crate::geom::{Placed, Side, VertexId, Vertices};
@@ -23,7 +24,7 @@ use crate::geom::{Placed, Side, VertexId, Vertices};
 /// A stabbing line of the chain, or why there is none; exact. Of gates that are no chain through
 /// cells it holds as well: the line has all left ends on its left and all right ends on its right.
 pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
-    let mut funnel = Funnel::default();
+    let mut funnel = Funnel::with_room(chain.len());
     let found = match misfit(vertices, chain, &mut funnel) {
         None if chain.is_empty() => Some(Stabbing::Line(Witness {
             a: IBig::ZERO,
@@ -48,12 +49,12 @@ pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
 /// Whether some line stabs the chain, each gate of which must be in the convex cell beyond the one
 /// before; exact.
 pub fn is_stabbed(vertices: &Vertices, chain: &[Gate]) -> bool {
-    misfit(vertices, chain, &mut Funnel::default()).is_none()
+    misfit(vertices, chain, &mut Funnel::with_room(chain.len())).is_none()
 }
 
 /// The widest strip that the chain lets through; `None` if no line stabs it. At least one gate.
 pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
-    let mut funnel = Funnel::default();
+    let mut funnel = Funnel::with_room(chain.len());
     if misfit(vertices, chain, &mut funnel).is_none() && !chain.is_empty() {
         let strip = widest(vertices, &funnel);
         if strip.is_widest(vertices, chain) {
@@ -136,7 +137,7 @@ fn misfit(vertices: &Vertices, chain: &[Gate], funnel: &mut Funnel) -> Option<us
                     funnel.begin(ends[0], ends[1]);
                     true
                 }
-                Some(last) => funnel.extend_past(vertices, last, ends).is_some(),
+                Some(last) => funnel.narrow(vertices, last, ends),
             };
         last = Some(*gate);
         !fits
@@ -211,17 +212,12 @@ fn conflict(vertices: &Vertices, funnel: &Funnel, chain: &[Gate]) -> Option<Cont
         };
     }
     let (lefts, rights) = (funnel.left_bounds(), funnel.right_bounds());
-    let first = |ends: &[Placed]| ends[0].id;
-    let last = |ends: &[Placed]| ends[ends.len() - 1].id;
     // The left end may lie behind the clockwise-most line, which touches the first left end that
     // still matters and the last right end; or the right end behind the counterclockwise-most.
-    let left = behind(vertices, gate.left, first(lefts), last(rights), chain, |gate| {
-        (gate.left, gate.right)
-    });
-    left.or_else(|| {
-        let flipped = behind(vertices, gate.right, first(rights), last(lefts), chain, |gate| {
-            (gate.right, gate.left)
-        })?;
+    let ends = |gate: &Gate| [gate.left, gate.right];
+    behind(vertices, chain, ends, [lefts, rights], Side::Left).or_else(|| {
+        let ends = |gate: &Gate| [gate.right, gate.left];
+        let flipped = behind(vertices, chain, ends, [rights, lefts], Side::Right)?;
         Some(Contradiction {
             left: flipped.right,
             right: flipped.left,
@@ -229,28 +225,43 @@ fn conflict(vertices: &Vertices, funnel: &Funnel, chain: &[Gate]) -> Option<Cont
     })
 }
 
-/// Ends that contradict each other, given that `end` lies behind an extreme line that touches `own`,
-/// on the same side of the chain, and then `other` on the other side. `ends` gives a gate's end on
-/// the same side and that on the other; the former come out as left ones.
+/// Ends that contradict each other, if the last gate's end on the first side lies behind the extreme
+/// line that touches the first of `bounds` on its own side and then the last of those on the other.
+/// `ends` gives a gate's end on the first side, which is to lie on the side `own_side` of sightlines,
+/// and that on the other; ends of the first side come out as left ones.
 fn behind(
     vertices: &Vertices,
-    end: VertexId,
-    own: VertexId,
-    other: VertexId,
     chain: &[Gate],
-    ends: impl Fn(&Gate) -> (VertexId, VertexId),
+    ends: impl Fn(&Gate) -> [VertexId; 2],
+    bounds: [&[Placed]; 2],
+    own_side: Side,
 ) -> Option<Contradiction> {
-    // The way from `own` to `end` passes `other` on the wrong side, or meets it. Most often it is
-    // the new gate's other end that is on the right side: from the last gate back.
-    let found = |same: &[VertexId], others: &[VertexId]| {
-        hulls::shrink(vertices, same.into(), others.into())
+    let first = |side: usize| bounds[side].first().map(|p| p.id);
+    let last = |side: usize| bounds[side].last().map(|p| p.id);
+    let (own, other) = (first(0)?, last(1)?);
+    let [end, _] = ends(chain.last()?);
+    if vertices.orient(own, other, end) == own_side {
+        return None;
+    }
+    // The way from `own` to `end` passes `other` on the wrong side, or meets it. Some end of the
+    // other side lies on its right side, most often the new one or the first that matters; or else
+    // one of the own side makes a triangle around `other`.
+    let two = |third: VertexId| {
+        let (same, others) = ([own, end], [other, third]);
+        meet(vertices, &same, &others).then(|| (same[..].into(), others[..].into()))
     };
-    let two = |gate: &Gate| found(&[own, end], &[other, ends(gate).1]);
-    let three = |gate: &Gate| found(&[own, end, ends(gate).0], &[other]);
-    let from_last = || chain.iter().rev();
-    from_last()
-        .find_map(two)
-        .or_else(|| from_last().find_map(three))
+    let three = |third: VertexId| {
+        let same = [own, end, third];
+        meet(vertices, &same, &[other]).then(|| (same[..].into(), [other][..].into()))
+    };
+    let from_last = || chain.iter().rev().map(&ends);
+    let near = || from_last().next().and_then(|[_, third]| two(third));
+    let (left, right) = near()
+        .or_else(|| two(first(1)?))
+        .or_else(|| three(last(0)?))
+        .or_else(|| from_last().find_map(|[_, third]| two(third)))
+        .or_else(|| from_last().find_map(|[third, _]| three(third)))?;
+    hulls::shrink(vertices, left, right)
 }
 
 fn by_hulls(vertices: &Vertices, chain: &[Gate]) -> Hulls {

@@ -10,8 +10,8 @@ use std::cmp::Ordering;
 use smallvec::SmallVec;
 
 use super::Contradiction;
-use super::strip::Strip;
 use super::stab::meet;
+use super::strip::Strip;
 use crate::geom::{Placed, Side, VertexId, Vertices};
 
 /// What two hulls have to do with each other.
@@ -102,9 +102,7 @@ fn meeting(vertices: &Vertices, left: &[Placed], right: &[Placed]) -> Option<Con
         let pairs = hull.windows(2).skip(1);
         pairs.map(|pair| [hull[0], pair[0], pair[1]]).collect()
     };
-    let crossing = || {
-        edges(left).find_map(|l| edges(right).find_map(|r| found(&l, &r)))
-    };
+    let crossing = || edges(left).find_map(|l| edges(right).find_map(|r| found(&l, &r)));
     crossing()
         .or_else(|| fans(left).iter().find_map(|l| found(l, &right[..1])))
         .or_else(|| fans(right).iter().find_map(|r| found(&left[..1], r)))
@@ -162,7 +160,11 @@ fn closest_corners(
 
 /// An edge of one hull, counterclockwise, and the corner of the other that is nearest to its inside,
 /// if the hulls' distance is theirs.
-fn closest_edge(vertices: &Vertices, hull: &[Placed], other: &[Placed]) -> Option<([Placed; 2], Placed)> {
+fn closest_edge(
+    vertices: &Vertices,
+    hull: &[Placed],
+    other: &[Placed],
+) -> Option<([Placed; 2], Placed)> {
     edges(hull).find_map(|[a, b]| {
         let nearest = |&j: &usize| {
             let p = &other[j];

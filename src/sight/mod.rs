@@ -14,3 +14,6 @@ mod strip;
 pub use exact::Chain;
 pub use stab::{Contradiction, Gate, Solver, Stabbing, Witness, stab};
 pub use strip::Slack;
+
+#[cfg(test)]
+mod tests;

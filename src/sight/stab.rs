@@ -81,23 +81,25 @@ pub fn stab(vertices: &Vertices, chain: &[Gate], solver: Solver) -> Stabbing {
 }
 
 impl Witness {
-    /// The line with normal `n` (towards its left) through `at`, exactly; `None` where one of them is
-    /// not finite, or `n` zero.
-    pub(super) fn through(n: DVec2, at: DVec2, slack: f64) -> Option<Self> {
-        if !n.is_finite() || !at.is_finite() || n == DVec2::ZERO {
+    /// The line `n·(p - at) + value = 0`, exactly; `None` where a number is not finite, or `n` zero.
+    pub(super) fn through(n: DVec2, at: DVec2, value: f64, slack: f64) -> Option<Self> {
+        if !n.is_finite() || !at.is_finite() || !value.is_finite() || n == DVec2::ZERO {
             return None;
         }
-        let ([a, b], _) = dyadic(n);
-        let ([x, y], scale) = dyadic(at);
-        let c = -(&a * x + &b * y);
-        // Twos that `at` was divided by.
-        let back = scale.unsigned_abs() as usize;
-        let (a, b, c) = if scale < 0 {
-            (a << back, b << back, c)
-        } else {
-            (a, b, c << back)
-        };
-        Some(Self { a, b, c, slack })
+        // Each is integers times a power of two.
+        let ([a, b], n_power) = dyadic([n.x, n.y]);
+        let ([x, y], at_power) = dyadic([at.x, at.y]);
+        let ([value], value_power) = dyadic([value]);
+        let moved_power = n_power + at_power;
+        let least = n_power.min(moved_power).min(value_power);
+        let to_least = |number: IBig, power: i32| number << (power - least) as usize;
+        let moved = &a * x + &b * y;
+        Some(Self {
+            a: to_least(a, n_power),
+            b: to_least(b, n_power),
+            c: to_least(value, value_power) - to_least(moved, moved_power),
+            slack,
+        })
     }
 
     /// On which side of the line a vertex lies; exact.
@@ -126,9 +128,9 @@ impl Witness {
     }
 }
 
-/// Integers and an exponent k such that the vector is the integers times 2^k.
-fn dyadic(v: DVec2) -> ([IBig; 2], i32) {
-    let parts = [v.x, v.y].map(|x| {
+/// Integers and an exponent k such that the numbers are the integers times 2^k. For zeros, k is 0.
+fn dyadic<const N: usize>(numbers: [f64; N]) -> ([IBig; N], i32) {
+    let parts = numbers.map(|x| {
         let bits = x.abs().to_bits();
         let (exponent, fraction) = ((bits >> 52) as i32, (bits & ((1 << 52) - 1)) as i64);
         let (mantissa, exponent) = match exponent {

@@ -52,6 +52,23 @@ impl Strip {
             .map(|[a, b]| [a, b])
     }
 
+    /// Towards its left, by the f64 copies.
+    fn normal(&self) -> DVec2 {
+        match self.edge() {
+            None => self.left[0].at - self.right[0].at,
+            Some([a, b]) => (b.at - a.at).perp(),
+        }
+    }
+
+    /// Whether all ends that bound it are grid points.
+    fn is_grid(&self, vertices: &Vertices) -> bool {
+        let ends = self.left.iter().chain(&self.right);
+        vertices.is_grid()
+            || ends
+                .into_iter()
+                .all(|p| vertices.exact(p.id).grid().is_some())
+    }
+
     /// How far to the left `p` lies compared with `q`, measured across the strip.
     fn compare(&self, vertices: &Vertices, p: &Placed, q: &Placed) -> Ordering {
         if p.id == q.id {
@@ -77,6 +94,9 @@ impl Strip {
             let acute = |q, r| vertices.facing([q, r], [q, p]) == Ordering::Greater;
             acute(a, b) && acute(b, a)
         };
+        // Most ends are as far from the border as f64 can tell; the others are looked at closely.
+        let (normal, bound) = (self.normal(), vertices.bound());
+        let far = |p: &Placed, from: &Placed| normal.dot(p.at - from.at);
         let has_width = self.compare(vertices, l, r) == Ordering::Greater;
         has_width
             && self.edge().is_none_or(|[a, b]| {
@@ -85,31 +105,31 @@ impl Strip {
             })
             && chain.iter().all(|gate| {
                 let [left, right] = [gate.left, gate.right].map(|v| vertices.placed(v));
-                self.compare(vertices, &left, l) != Ordering::Less
-                    && self.compare(vertices, &right, r) != Ordering::Greater
+                (far(&left, l) > bound || self.compare(vertices, &left, l) != Ordering::Less)
+                    && (far(&right, r) < -bound
+                        || self.compare(vertices, &right, r) != Ordering::Greater)
             })
     }
 
     /// Its width in grid steps.
     fn width(&self, vertices: &Vertices) -> f64 {
         let (l, r) = (&self.left[0], &self.right[0]);
-        if vertices.is_grid() {
+        if self.is_grid(vertices) {
             // Without error but for the root's and the quotient's.
-            return match self.edge() {
-                None => (l.at - r.at).length(),
-                Some([a, b]) => (b.at - a.at).perp_dot(l.at - r.at) / (b.at - a.at).length(),
-            };
+            let normal = self.normal();
+            return normal.dot(l.at - r.at) / normal.length();
         }
-        let [l, r] = [l, r].map(|p| vertices.exact(p.id));
-        let (way, scale) = difference(r, l);
         match self.edge() {
-            None => length(way) / scale.as_f64(),
+            None => {
+                let (way, scale) = difference(vertices.exact(r.id), vertices.exact(l.id));
+                length(way) / scale.as_f64()
+            }
             Some([a, b]) => {
-                let (edge, _) = difference(vertices.exact(a.id), vertices.exact(b.id));
-                // Of 270 bits at most.
-                let [ex, ey, x, y] = [edge[0], edge[1], way[0], way[1]].map(big);
-                let cross = (ex * y - ey * x).to_f64().value();
-                cross / length(edge) / scale.as_f64()
+                // Twice the triangle's area by its base.
+                let other = if a.id == l.id { r } else { l };
+                let [a, b, p] = [a, b, other].map(|p| vertices.exact(p.id));
+                let base = length(difference(a, b).0);
+                area(a, b, p).as_f64().abs() / base / p.w() as f64
             }
         }
     }
@@ -134,20 +154,26 @@ impl Strip {
     pub fn middle(&self, vertices: &Vertices) -> Witness {
         let slack = self.width(vertices);
         let (l, r) = (self.left[0].at, self.right[0].at);
-        let (normal, across) = match self.edge() {
-            None => (l - r, (l - r).length_squared()),
-            Some([a, b]) => {
-                let edge = b.at - a.at;
-                (edge.perp(), edge.perp_dot(l - r))
-            }
-        };
-        // With M the largest coordinate and u = 2^-53, the copies' errors (see `Vertices::bound`)
+        let normal = self.normal();
+        if self.is_grid(vertices) {
+            // Twice n·p - n·(l + r)/2, of 55 bits at most.
+            let [a, b] = [normal.x as i64, normal.y as i64];
+            let c = a * (l.x + r.x) as i64 + b * (l.y + r.y) as i64;
+            return Witness {
+                a: (2 * a).into(),
+                b: (2 * b).into(),
+                c: (-c).into(),
+                slack,
+            };
+        }
+        let across = normal.dot(l - r);
+        // Rounded. With M the largest coordinate and u = 2^-53, the copies' errors (see `Vertices::bound`)
         // put the normal off by 8.02·u·M in each coordinate and the midpoint by 4.01·u·M, so the
         // value at any of the vertices by less than 4M·8.02·u·M + 4M·4.01·u·M < 2^-47·M², a quarter
         // of the bound. At the strip's borders the value is half of `across`, which is off by at
-        // most the bound. Between grid points nothing is rounded.
+        // most the bound.
         if across > 4.0 * vertices.bound() {
-            let line = Witness::through(normal, (l + r) / 2.0, slack);
+            let line = Witness::through(normal, (l + r) / 2.0, 0.0, slack);
             return line.expect("a strip of some width has a direction");
         }
         self.exact_middle(vertices, slack)
@@ -183,6 +209,13 @@ fn difference(p: &Vertex, q: &Vertex) -> ([I256; 2], I256) {
     let [pw, qw] = [p, q].map(|v| I256::from(v.w()));
     let less = |m: i128, n: i128| m.as_i256() * pw - n.as_i256() * qw;
     ([less(q.x(), p.x()), less(q.y(), p.y())], pw * qw)
+}
+
+/// Twice the area of a triangle, times the product of its corners' w: 217 bits.
+fn area(p: &Vertex, q: &Vertex, r: &Vertex) -> I256 {
+    let wide = |v: &Vertex| (v.x().as_i256(), v.y().as_i256(), I256::from(v.w()));
+    let ((px, py, pw), (qx, qy, qw), (rx, ry, rw)) = (wide(p), wide(q), wide(r));
+    px * (qy * rw - ry * qw) - py * (qx * rw - rx * qw) + pw * (qx * ry - rx * qy)
 }
 
 fn length([x, y]: [I256; 2]) -> f64 {
