@@ -72,6 +72,11 @@ impl Point {
         Self { x, y, w, at }
     }
 
+    /// The homogeneous coordinates x, y, w.
+    pub fn parts(&self) -> [&IBig; 3] {
+        [&self.x, &self.y, &self.w]
+    }
+
     /// The point in f64, in grid steps, as near as rounding allows.
     pub fn approx(&self) -> DVec2 {
         self.at
