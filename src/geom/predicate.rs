@@ -116,7 +116,8 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
-    /// See [`Vertices::bound`].
+    /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
+    /// it is off by less.
     bound: f64,
     /// How far a coordinate of an f64 copy is off at most.
     error: f64,

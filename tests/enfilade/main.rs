@@ -4,17 +4,21 @@
 mod browser;
 mod compare;
 mod plan;
+mod random;
 mod reference;
 mod sightline;
 
 mod agree;
+mod bulk;
 mod cli;
 mod explain;
+mod generated;
 mod hard;
 mod heights;
 mod property;
 mod readers;
 mod readme;
 mod regression;
+mod stability;
 mod study;
 mod tidy;
