@@ -68,8 +68,9 @@ pub struct Hidden {
     /// Position in the way's portals of the first one behind which the first cell sees nothing,
     /// neither along this way nor along another.
     pub stop: usize,
-    /// Ends of portals up to that one between which a line along the way would have to pass, and
-    /// cannot. For this way they prove it; that the other ways fail too, the PVS says.
+    /// Ends of the way's portals (those up to that one, if they will do) between which a line along
+    /// the way would have to pass, and cannot: walls, if walls alone prove it. That all other ways
+    /// fail too, the PVS says.
     pub ends: Contradiction,
 }
 
@@ -91,7 +92,8 @@ pub fn explain(
     let [from, to] = options
         .points
         .unwrap_or_else(|| [a, b].map(|cell| middle(graph, cell)));
-    let Some(way) = way::shortest(graph, (a, from), (b, to)) else {
+    let exact = |p: DVec2| Point::rounded(p, 20).vertex();
+    let Some(way) = way::shortest(graph, (a, exact(from)?), (b, exact(to)?)) else {
         return Some(Explanation::Apart);
     };
     hidden(graph, pvs, a, way).map(Explanation::Hidden)
@@ -115,17 +117,13 @@ fn hidden(graph: &CellGraph, pvs: &Pvs, a: CellId, way: Way) -> Option<Hidden> {
     let beyond = |e: EdgeId| graph.edge(e).twin().map(|twin| graph.edge(twin).cell);
     let is_seen = |&e: &EdgeId| beyond(e).is_some_and(|cell| pvs.sees(a, cell));
     let stop = way.portals.iter().position(|e| !is_seen(e))?;
-    let portals = &way.portals[..=stop];
-    // Corners that jut out are what people call an obstacle; flat walls come next, and corners of
-    // cells without a wall last.
-    let ends = [
-        &[Corner::Jutting][..],
-        &[Corner::Jutting, Corner::Flat],
-        &[Corner::Jutting, Corner::Flat, Corner::Open],
-    ];
-    let ends = ends
-        .into_iter()
-        .find_map(|kinds| first_clash(graph, portals, kinds))?;
+    // Walls say more than corners of cells at which none stands, even if it takes more of the way.
+    let walls = [Corner::Jutting, Corner::Flat];
+    let (seen, all) = (&way.portals[..=stop], &way.portals[..]);
+    let ends = first_clash(graph, seen, &walls[..1])
+        .or_else(|| first_clash(graph, seen, &walls))
+        .or_else(|| first_clash(graph, all, &walls))
+        .or_else(|| first_clash(graph, seen, &[walls[0], walls[1], Corner::Open]))?;
     Some(Hidden { way, stop, ends })
 }
 

@@ -38,8 +38,8 @@
 //! subdivision cut), the opening's `name`, the `wall` that it is cut into or consists of, its `cells`,
 //! their `rooms`, its `segment`, and the `point` where it is crossed. An **end** has its `point`, its
 //! `kind` (`corner`, `wall`, or `cell corner` where no wall stands), the `walls` there, and the
-//! `opening` that ends there, if one does. A **wall** has its `place` in the source, and its ends
-//! `from` and `to`.
+//! `opening` that ends there, if one does. A **wall** has its `place` in the source, its ends
+//! `from` and `to`, and the `room` of whose outline it is a part.
 
 pub mod asked;
 mod names;

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
-use crate::level::{Level, OpeningStyle, Place, WallId, WallKind};
+use crate::level::{Level, OpeningStyle, Place, SectorId, WallId, WallKind};
 use crate::pvs::explain::{self, Corner};
 use crate::report::json;
 
@@ -68,6 +68,8 @@ pub struct WallRecord {
     pub from: [f64; 2],
     /// Its end.
     pub to: [f64; 2],
+    /// The room of whose outline it is a part.
+    pub room: Option<String>,
 }
 
 fn place<S: serde::Serializer>(place: &Place, serializer: S) -> Result<S::Ok, S::Error> {
@@ -94,9 +96,11 @@ impl Names<'_> {
 
     /// The name of a cell's room, or `sector 12`.
     pub fn room(&self, cell: CellId) -> Option<String> {
-        let id = self.graph.cell(cell).sector?;
-        let sector = self.level.sectors.get(id.0 as usize);
-        let name = sector.and_then(|s| s.name.clone());
+        self.sector(self.graph.cell(cell).sector?)
+    }
+
+    fn sector(&self, id: SectorId) -> Option<String> {
+        let name = self.level.sectors.get(id.0 as usize)?.name.clone();
         Some(name.unwrap_or_else(|| format!("sector {}", id.0)))
     }
 
@@ -108,10 +112,14 @@ impl Names<'_> {
     fn wall_record(&self, id: WallId) -> WallRecord {
         let wall = &self.level.walls[id.0 as usize];
         let [from, to] = [wall.from, wall.to].map(|p| self.graph.grid.to_level(p).to_array());
+        let outline = wall
+            .outline
+            .and_then(|o| self.level.outlines[o.0 as usize].sector);
         WallRecord {
             place: wall.place,
             from,
             to,
+            room: outline.and_then(|s| self.sector(s)),
         }
     }
 

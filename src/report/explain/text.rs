@@ -8,7 +8,7 @@ use std::fmt::Write;
 use super::names::{EndRecord, OpeningRecord, PortalRecord, WallRecord};
 use super::{Account, OpenRecord, PlaceRecord, StraightRecord, ViewRecord, WayRecord};
 use crate::level::{Level, Place};
-use crate::report::wording::{coordinate, count, length, unit};
+use crate::report::wording::{coordinate, count_of, length, unit};
 
 /// How many portals and corners of a way are listed before some are left out.
 const LISTED: usize = 12;
@@ -33,33 +33,24 @@ pub fn of(level: &Level, account: &Account) -> String {
         "Not visible"
     };
     lines.head(&format!("{title}: from {from} to {to}."));
-    if let Some(view) = &account.view {
-        lines.say(
-            answer,
-            "some straight line from the one to the other is free",
-        );
-        words.view(&mut lines, view);
+    let said = if account.visible {
+        "some straight line from the one to the other is free"
     } else if account.connected {
-        lines.say(
-            answer,
-            "every straight line from the one to the other meets a wall",
-        );
+        "every straight line from the one to the other meets a wall"
+    } else if account.doors == "closed" {
+        "no way leads from the one to the other while doors are closed"
     } else {
-        let closed = if account.doors == "closed" {
-            " while doors are closed"
-        } else {
-            ""
-        };
-        lines.say(
-            answer,
-            &format!("no way leads from the one to the other{closed}"),
-        );
-    }
+        "no way leads from the one to the other"
+    };
+    lines.say(answer, said);
     if let Some(straight) = &account.straight {
         words.straight(&mut lines, straight, account);
     }
+    if let Some(view) = &account.view {
+        words.view(&mut lines, view);
+    }
     if let Some(way) = &account.way {
-        words.way(&mut lines, way, account);
+        words.way(&mut lines, way);
     }
     if let Some(open) = &account.doors_open {
         words.doors_open(&mut lines, open);
@@ -125,7 +116,7 @@ impl Words<'_> {
             "Sightline",
             &format!("{from} to {to}, {} long", self.length(view.length)),
         );
-        self.portals(lines, "through", &view.portals, &[]);
+        self.portals(lines, "through", &view.portals, None);
         let width = self.length(view.width);
         let widest = if view.widest {
             ""
@@ -142,7 +133,10 @@ impl Words<'_> {
         ] {
             let text = match beside {
                 None => {
-                    let ends: Vec<String> = ends.iter().map(|e| self.end(e)).collect();
+                    // Beside a corner of walls, a cell's own corner does not matter.
+                    let walls = ends.iter().any(|e| e.kind == "corner");
+                    let ends = ends.iter().filter(|e| !walls || e.kind == "corner");
+                    let ends: Vec<String> = ends.map(|e| self.end(e)).collect();
                     ends.join(", and ")
                 }
                 Some(beside) => format!(
@@ -178,7 +172,7 @@ impl Words<'_> {
         lines.say("Points", &about);
     }
 
-    fn way(&self, lines: &mut Lines, way: &WayRecord, account: &Account) {
+    fn way(&self, lines: &mut Lines, way: &WayRecord) {
         lines.say(
             "Shortest way",
             &format!(
@@ -187,26 +181,24 @@ impl Words<'_> {
                 self.gone_through(&way.portals)
             ),
         );
-        let stop = way.portals.get(way.stop);
-        let marked: Vec<usize> = vec![way.stop];
-        self.portals(lines, "through", &way.portals, &marked);
+        self.portals(lines, "through", &way.portals, Some(way.stop));
         if !way.bends.is_empty() {
             let bends: Vec<String> = shortened(&way.bends, |e| self.end(e));
             lines.list("around", &bends);
         }
-        if let Some(stop) = stop {
-            let seen = way
-                .cells
-                .get(way.stop)
-                .copied()
-                .unwrap_or(account.from.cell);
+        if let Some(stop) = way.portals.get(way.stop) {
             let room = stop.rooms[0].as_deref().map(quoted);
             let room = room.map(|r| format!(" in {r}")).unwrap_or_default();
+            let end = if stop.kind == "border" {
+                format!("its border at {}", self.point(stop.point))
+            } else {
+                self.portal(stop)
+            };
             lines.say(
                 "Sight",
                 &format!(
-                    "reaches cell {seen}{room} on this way; behind {} nothing is seen",
-                    self.portal(stop, false)
+                    "ends in cell {}{room}: nothing is seen beyond {end}",
+                    stop.cells[0]
                 ),
             );
         }
@@ -215,7 +207,7 @@ impl Words<'_> {
             lines.say(
                 "",
                 &format!(
-                    "the line that gets there from {from} ends at {}, {}",
+                    "the line that gets there, from {from}, is stopped at {} by {}",
                     self.point(farthest.point),
                     self.wall(&farthest.wall)
                 ),
@@ -241,10 +233,15 @@ impl Words<'_> {
     /// `2 doors and an archway`, roughly: what kinds of openings a way passes.
     fn gone_through(&self, portals: &[PortalRecord]) -> String {
         let mut parts = Vec::new();
-        for kind in ["door", "window", "archway", "sector edge"] {
+        for (kind, one, many) in [
+            ("door", "door", "doors"),
+            ("window", "window", "windows"),
+            ("archway", "archway", "archways"),
+            ("sector edge", "change of sector", "changes of sector"),
+        ] {
             let n = portals.iter().filter(|p| p.kind == kind).count();
             if n > 0 {
-                parts.push(count(n, kind));
+                parts.push(count_of(n, one, many));
             }
         }
         match parts.split_last() {
@@ -255,29 +252,29 @@ impl Words<'_> {
     }
 
     /// A line for every opening; borders that only the subdivision made are left out.
-    fn portals(&self, lines: &mut Lines, about: &str, portals: &[PortalRecord], stops: &[usize]) {
-        let kept: Vec<(usize, &PortalRecord)> = portals
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| p.kind != "border")
-            .collect();
-        let items = shortened(&kept, |(i, portal)| {
-            let mark = if stops.contains(i) {
+    fn portals(
+        &self,
+        lines: &mut Lines,
+        about: &str,
+        portals: &[PortalRecord],
+        stop: Option<usize>,
+    ) {
+        let numbered = portals.iter().enumerate();
+        let kept: Vec<(usize, &PortalRecord)> =
+            numbered.filter(|(_, p)| p.kind != "border").collect();
+        let items = shortened(&kept, |&(i, portal)| {
+            let mark = if stop == Some(i) {
                 " ← sight ends here"
             } else {
                 ""
             };
-            format!("{}{mark}", self.portal(portal, true))
+            format!("{}{mark}", self.portal(portal))
         });
         lines.list(about, &items);
     }
 
-    fn portal(&self, portal: &PortalRecord, at: bool) -> String {
-        let at = if at || portal.kind == "border" {
-            format!(" at {}", self.point(portal.point))
-        } else {
-            String::new()
-        };
+    fn portal(&self, portal: &PortalRecord) -> String {
+        let at = self.point(portal.point);
         let rooms = match &portal.rooms {
             [Some(a), Some(b)] if a != b => format!(" from {} to {}", quoted(a), quoted(b)),
             [Some(a), _] | [None, Some(a)] if portal.kind != "border" => {
@@ -287,13 +284,14 @@ impl Words<'_> {
         };
         let place = portal.wall.as_ref().map(|w| place(&w.place));
         let what = match (portal.kind, &portal.name, place) {
-            ("border", _, _) => return format!("the line{at} where only the plan was cut"),
+            ("border", _, _) => return format!("the border of two cells at {at}"),
             (kind, Some(name), _) => format!("the {kind} \"{name}\""),
-            ("sector edge", None, Some(place)) => place,
+            ("sector edge", None, Some(place)) if place.starts_with("linedef") => place,
+            ("sector edge", None, Some(place)) => format!("the edge ({place})"),
             (kind, None, Some(place)) => format!("the {kind} ({place})"),
             (kind, None, None) => format!("the {kind}"),
         };
-        format!("{what}{rooms}{at}")
+        format!("{what}{rooms} at {at}")
     }
 
     fn end(&self, end: &EndRecord) -> String {
@@ -311,7 +309,7 @@ impl Words<'_> {
             "corner" if end.walls.len() == 1 => format!("the wall's end at {at}{places}"),
             "corner" => format!("the corner at {at}{places}"),
             "wall" => format!("the wall at {at}{places}"),
-            _ => format!("the cell's own corner at {at}, where no wall stands"),
+            _ => format!("the corner of cells at {at}, where no wall stands"),
         }
     }
 
@@ -327,11 +325,15 @@ impl Words<'_> {
 
     fn wall(&self, wall: &WallRecord) -> String {
         let [from, to] = [wall.from, wall.to].map(|p| self.point(p));
-        format!("the wall from {from} to {to} ({})", place(&wall.place))
+        let of = match &wall.room {
+            Some(room) => format!(" of {}", quoted(room)),
+            None => String::new(),
+        };
+        format!("the wall{of} from {from} to {to} ({})", place(&wall.place))
     }
 
     fn doors_open(&self, lines: &mut Lines, open: &OpenRecord) {
-        let doors: Vec<String> = open.doors.iter().map(|d| self.portal(d, true)).collect();
+        let doors: Vec<String> = open.doors.iter().map(|d| self.portal(d)).collect();
         if open.visible {
             lines.say(
                 "Doors",

@@ -69,7 +69,7 @@ pub(super) fn look_up(
     match explain(graph, truth, cells[0], cells[1], &options) {
         Some(Explanation::Visible(view)) => {
             let ends = [&view.segment.from, &view.segment.to];
-            let [from, to] = ends.map(|p| p.parts().map(IBig::clone));
+            let [from, to] = ends.map(|p| p.coordinates().map(IBig::clone));
             free = Some(caster.is_free(cells, &from, &to));
             pair.witness = Some(ends.map(|p| level(p.approx())));
             pair.width = Some(view.strip.width * graph.grid.step.length());
