@@ -6,6 +6,7 @@
 
 use std::cmp::Ordering;
 
+use dashu_int::{IBig, Sign};
 use ethnum::I256;
 use glam::DVec2;
 use rustc_hash::{FxBuildHasher, FxHashMap};
@@ -36,6 +37,17 @@ impl Side {
             Side::Right
         } else {
             Side::On
+        }
+    }
+
+    /// Left for positive, right for negative numbers of any size.
+    pub fn of_big(n: &IBig) -> Self {
+        if n.is_zero() {
+            Side::On
+        } else if n.sign() == Sign::Positive {
+            Side::Left
+        } else {
+            Side::Right
         }
     }
 
@@ -104,7 +116,8 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
-    /// A cross product of the f64 copies larger than this has the true sign; it is off by less.
+    /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
+    /// it is off by less.
     bound: f64,
     /// How far a coordinate of an f64 copy is off at most.
     error: f64,
@@ -149,6 +162,19 @@ impl Vertices {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.exact.is_empty()
+    }
+
+    /// Whether every vertex is a grid point: then the copies are exact.
+    #[inline]
+    pub fn is_grid(&self) -> bool {
+        self.all_grid
+    }
+
+    /// By how much the cross product, or the scalar product, of two differences of f64 copies can be
+    /// off, computed in f64: a larger one has the true sign.
+    #[inline]
+    pub fn bound(&self) -> f64 {
+        self.bound
     }
 
     /// The exact vertex.
@@ -246,6 +272,49 @@ impl Vertices {
         } else {
             orient(p, q, r)
         }
+    }
+
+    /// To which side somebody turns who walked from `p` to `q` and goes on as from `r` to `s`: the
+    /// sign of the cross product of the two ways.
+    #[inline]
+    pub fn turn(&self, [p, q]: [&Placed; 2], [r, s]: [&Placed; 2]) -> Side {
+        // The bound of `orient_from` is for any cross product of two differences.
+        let (to_q, to_s) = (q.at - p.at, s.at - r.at);
+        let cross = to_q.x * to_s.y - to_q.y * to_s.x;
+        if cross.abs() > self.bound || self.all_grid {
+            return Side::of(cross);
+        }
+        let [(ax, ay), (bx, by)] = self.ways([p, q], [r, s]);
+        Side::of_big(&(ax * by - ay * bx))
+    }
+
+    /// Whether the ways from `p` to `q` and from `r` to `s` lead in the same direction (`Greater`:
+    /// they make an acute angle), in opposite ones (`Less`), or at right angles: the sign of their
+    /// scalar product.
+    #[inline]
+    pub fn facing(&self, [p, q]: [&Placed; 2], [r, s]: [&Placed; 2]) -> Ordering {
+        // Two products of differences are added, as they are subtracted in a cross product: the
+        // same bound holds.
+        let (to_q, to_s) = (q.at - p.at, s.at - r.at);
+        let dot = to_q.x * to_s.x + to_q.y * to_s.y;
+        if dot.abs() > self.bound || self.all_grid {
+            return dot.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        }
+        let [(ax, ay), (bx, by)] = self.ways([p, q], [r, s]);
+        (ax * bx + ay * by).cmp(&IBig::ZERO)
+    }
+
+    /// The differences `q - p` and `s - r`, each times a positive number. Of 135 bits, so that their
+    /// products do not fit 256.
+    #[cold]
+    fn ways(&self, first: [&Placed; 2], second: [&Placed; 2]) -> [(IBig, IBig); 2] {
+        [first, second].map(|[p, q]| {
+            let (p, q) = (self.exact(p.id), self.exact(q.id));
+            let less = |m: i128, n: i128| {
+                IBig::from(m) * IBig::from(p.w()) - IBig::from(n) * IBig::from(q.w())
+            };
+            (less(q.x(), p.x()), less(q.y(), p.y()))
+        })
     }
 
     /// For `q` and `r` on one line with `p`, both different from it: whether they lie in the same

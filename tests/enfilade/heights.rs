@@ -12,7 +12,7 @@ use enfilade::pvs::{Class, Progress, Pvs, sweep::sweep};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
-use crate::property::on_random;
+use crate::random::on_random;
 
 const OPTIONS: HeightsOptions = HeightsOptions { splits: 64 };
 

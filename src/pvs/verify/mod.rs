@@ -16,8 +16,10 @@
 //!    also keep between the floors and ceilings of the level's sectors and within the heights of its
 //!    openings (`space`).
 
+mod caster;
 mod cells;
 mod ground;
+mod pair;
 mod sight;
 mod space;
 mod walls;
@@ -28,6 +30,8 @@ mod tests;
 use std::fmt;
 
 use glam::DVec3;
+
+pub use caster::{Caster, Place};
 
 use super::Progress;
 use super::file::{LevelInfo, PvsFile};
