@@ -31,6 +31,16 @@ pub(super) struct Gate {
     pub top: f64,
 }
 
+impl Gate {
+    /// As the plan sees it.
+    pub fn ends(&self) -> crate::sight::Gate {
+        crate::sight::Gate {
+            left: self.left.id,
+            right: self.right.id,
+        }
+    }
+}
+
 /// What is known of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
