@@ -32,7 +32,17 @@ const MAPS: [&str; 2] = ["E1M1", "E1M5"];
 fn main() {
     println!(
         "{:<16} {:<4} {:>4} {:>6} | {:>9} {:>9} {:>7} | {:>9} {:>9} {:>7} | {:>7}",
-        "chains", "", "len", "n", "LP yes/no", "exact", "ratio", "LP answer", "exact", "ratio", "+1"
+        "chains",
+        "",
+        "len",
+        "n",
+        "LP yes/no",
+        "exact",
+        "ratio",
+        "LP answer",
+        "exact",
+        "ratio",
+        "+1"
     );
     let mut least = f64::INFINITY;
     let mut at_ten = Vec::new();
@@ -64,7 +74,11 @@ fn main() {
     }
     for off_grid in [false, true] {
         let (vertices, sets) = made_up(off_grid);
-        let name = if off_grid { "made up, off grid" } else { "made up, on grid" };
+        let name = if off_grid {
+            "made up, off grid"
+        } else {
+            "made up, on grid"
+        };
         show(&name[..16], &vertices, &sets);
     }
     at_ten.sort_by(f64::total_cmp);
