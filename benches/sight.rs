@@ -26,7 +26,6 @@ const LENGTHS: [usize; 13] = [2, 3, 5, 7, 10, 14, 20, 30, 50, 70, 100, 140, 200]
 /// Chains of one length and kind in the table.
 const CHAINS: usize = 60;
 
-/// Gates more that a chain has before it counts as long.
 const MAPS: [&str; 2] = ["E1M1", "E1M5"];
 
 fn main() {
@@ -74,12 +73,8 @@ fn main() {
     }
     for off_grid in [false, true] {
         let (vertices, sets) = made_up(off_grid);
-        let name = if off_grid {
-            "made up, off grid"
-        } else {
-            "made up, on grid"
-        };
-        show(&name[..16], &vertices, &sets);
+        let name = ["made up on grid", "made up off grid"][usize::from(off_grid)];
+        show(name, &vertices, &sets);
     }
     at_ten.sort_by(f64::total_cmp);
     println!(
@@ -206,8 +201,8 @@ fn made_up(off_grid: bool) -> (Vertices, Sets) {
                         });
                         VertexId(list.len() as u32 - 1)
                     };
-                    let mut width = || 8 + (i * 7919 + rise) % 89;
-                    let (left, right) = (put(width()), put(-width()));
+                    let width = 8 + (i * 7919 + rise).rem_euclid(89);
+                    let (left, right) = (put(width), put(-width));
                     chain.push(Gate { left, right });
                 }
                 chains.push(chain);
@@ -238,8 +233,8 @@ fn measure(vertices: &Vertices, chains: &[Vec<Gate>], open: bool) -> Row {
         middle(times.collect())
     };
     let test = [
-        per_chain(&|c| drop(black_box(lp::margin(vertices, c)))),
-        per_chain(&|c| drop(black_box(exact::is_stabbed(vertices, c)))),
+        per_chain(&|c| _ = black_box(lp::margin(vertices, c))),
+        per_chain(&|c| _ = black_box(exact::is_stabbed(vertices, c))),
     ];
     let answer = [
         per_chain(&|c| drop(black_box(lp::stab(vertices, c)))),
@@ -248,7 +243,9 @@ fn measure(vertices: &Vertices, chains: &[Vec<Gate>], open: bool) -> Row {
     let steps = chains.iter().map(|chain| {
         let (last, before) = chain.split_last().expect("no chain is empty");
         let mut chain = Chain::new(vertices);
-        before.iter().for_each(|gate| drop(chain.push(*gate)));
+        for gate in before {
+            chain.push(*gate);
+        }
         median(|| {
             if chain.push(*last) {
                 chain.pop();
