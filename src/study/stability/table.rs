@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::statement::Wrong;
 use super::{Answer, Answered, Given, METHODS, Outcome, Row, StabilityOptions};
+use crate::level::wording::grouped;
 use crate::pvs::{Class, Method};
 
 /// How to read the table.
@@ -211,17 +212,4 @@ pub fn json(rows: &[Row], options: &StabilityOptions) -> Value {
 
 fn list(wrong: &[Wrong]) -> Vec<&str> {
     wrong.iter().map(|w| w.instead.as_str()).collect()
-}
-
-/// `15,123,456`
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }
