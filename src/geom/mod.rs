@@ -5,10 +5,12 @@
 
 mod grid;
 mod line;
+pub mod pencil;
 pub mod predicate;
 mod vertex;
 
-pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
+pub use grid::{FINE, GRID_LIMIT, Grid, GridPoint, Step};
 pub use line::Line;
+pub use pencil::{Pencil, Ray};
 pub use predicate::{Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

@@ -103,6 +103,8 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
+    /// The largest coordinate of the f64 copies, without its sign.
+    reach: f64,
     /// A cross product of the f64 copies larger than this has the true sign.
     bound: f64,
 }
@@ -112,6 +114,9 @@ impl Vertices {
     pub fn new(exact: Vec<Vertex>) -> Self {
         let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
         let all_grid = exact.iter().all(|v| v.grid().is_some());
+        let reach = approx
+            .iter()
+            .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
         let bound = if all_grid {
             // Differences have at most 27 bits, products 53, and so has their difference.
             0.0
@@ -120,10 +125,7 @@ impl Vertices {
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = approx
-                .iter()
-                .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
-            m * m * 2f64.powi(-45)
+            reach * reach * 2f64.powi(-45)
         };
         let narrow = width(&exact) <= 127;
         Self {
@@ -131,8 +133,19 @@ impl Vertices {
             approx,
             all_grid,
             narrow,
+            reach,
             bound,
         }
+    }
+
+    /// The largest coordinate of the vertices' f64 copies, without its sign.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether all of them are grid points.
+    pub fn are_grid(&self) -> bool {
+        self.all_grid
     }
 
     /// Number of vertices.

@@ -6,6 +6,7 @@
 //! exactly, in entirely different ways.
 
 mod bits;
+pub mod eye;
 mod fan;
 pub mod file;
 mod flat;

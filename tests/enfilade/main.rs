@@ -1,6 +1,7 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
 //! them need stands in `plan`, `sightline`, `reference` and `compare`.
 
+mod caster;
 mod compare;
 mod plan;
 mod reference;
@@ -8,7 +9,9 @@ mod sightline;
 
 mod agree;
 mod cli;
+mod eye;
 mod hard;
+mod pictures;
 mod property;
 mod readers;
 mod readme;

@@ -120,7 +120,7 @@ impl<'a> Layers<'a> {
     }
 
     /// One path for each colour, so that no seams show between cells of the same colour.
-    fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
+    pub fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
         let mut areas: BTreeMap<&str, PathData> = BTreeMap::new();
         for cell in self.graph.cell_ids() {
             areas

@@ -31,6 +31,13 @@ pub const SIGHT: &str = "#12934a";
 /// The source cell, cells that it sees, and all others.
 pub const VIEW: [&str; 3] = ["#1f4e9e", "#a9cff3", "#f2f1ed"];
 
+/// For an eye: cells in view, further cells of the PVS, and all others.
+pub const EYE_VIEW: [&str; 3] = ["#a9cff3", "#cbe6b4", "#f2f1ed"];
+/// The ground that an eye sees.
+pub const IN_SIGHT: &str = "#4db5ad";
+/// The eye, and the edges of its cone.
+pub const EYE: &str = "#0b4f4c";
+
 /// A colour for each sector. Sectors that share a corner differ as far as the colours go; the same
 /// level gets the same colours.
 pub fn by_sector(graph: &CellGraph, n_sectors: usize) -> Vec<&'static str> {
