@@ -77,8 +77,8 @@ pub struct Pencil<'a> {
     point: Vertex,
     at: DVec2,
     free: [[i64; 2]; 2],
-    /// Power of two by which free directions are multiplied for their f64 copies.
-    scale: f64,
+    /// Powers of two by which free directions are multiplied for their f64 copies.
+    scales: [f64; 2],
     /// A cross product of two rays' `d` that is larger has the true sign.
     bound: f64,
     /// How far off each coordinate of a ray's `d` may be.
@@ -91,9 +91,13 @@ impl<'a> Pencil<'a> {
     pub fn new(vertices: &'a Vertices, point: Vertex, free: [[i64; 2]; 2]) -> Self {
         let at = point.approx();
         let reach = vertices.reach().max(at.x.abs()).max(at.y.abs()).max(1.0);
-        // The largest power of two that is at most `reach`, so that no free direction's copy, which
-        // is exact, has a coordinate above twice the reach.
+        // A free direction's copy is exact, and made about as long as the reach: its larger
+        // coordinate between the largest power of two in the reach and twice that.
         let power = f64::from_bits(reach.to_bits() & !((1 << 52) - 1));
+        let scale = |[x, y]: [i64; 2]| {
+            let largest = x.unsigned_abs().max(y.unsigned_abs()).max(1);
+            power / (1u64 << largest.ilog2()) as f64
+        };
         // With M the reach and u = 2^-53: the copies of point and vertex are each off by at most
         // 3.01·u·M (the point's usually not at all), and their difference, at most 2M, is rounded
         // by 2·u·M: together e < 8.03·u·M. The cross product of two such is off by 4·2M·e + 2e²,
@@ -111,7 +115,7 @@ impl<'a> Pencil<'a> {
             point,
             at,
             free,
-            scale: power / DIRECTION_LIMIT as f64 * 2.0,
+            scales: free.map(scale),
             bound: reach * reach * 2f64.powi(-46),
             off,
         }
@@ -141,7 +145,7 @@ impl<'a> Pencil<'a> {
     pub fn free(&self, number: usize) -> Ray {
         let [x, y] = self.free[number];
         Ray {
-            d: DVec2::new(x as f64, y as f64) * self.scale,
+            d: DVec2::new(x as f64, y as f64) * self.scales[number],
             to: FREE + number as u32,
         }
     }
@@ -208,7 +212,7 @@ impl<'a> Pencil<'a> {
         }
         let unit = |aim: Aim| match aim {
             Aim::Vertex(v) => 1.0 / self.vertices.exact(v).w() as f64,
-            Aim::Free(_) => self.scale,
+            Aim::Free(number) => self.scales[number],
         };
         let determinant = self.determinant(p.to, q.to).as_f64();
         determinant / self.point.w() as f64 * unit(p.aim()) * unit(q.aim())

@@ -87,11 +87,17 @@ fn by_angle(d: &Point, e: &Point) -> Ordering {
 
 /// A direction strictly between two that are less than a half turn apart.
 pub fn between(d: &Point, e: &Point) -> Point {
-    // Stretched to about equal length, so that it is not next to one of them.
+    weighed(d, e, [1, 1])
+}
+
+/// A direction strictly between two that are less than a half turn apart, at about `n` parts from
+/// the second and `m` from the first.
+pub fn weighed(d: &Point, e: &Point, [n, m]: [u32; 2]) -> Point {
+    // Stretched to about equal length first.
     let bits = |p: &Point| p[..2].iter().map(|n| n.abs_bits()).max().unwrap_or(0);
-    let (m, n) = (bits(d), bits(e));
-    let (up, vp) = (n.saturating_sub(m), m.saturating_sub(n));
-    [0, 1, 2].map(|i| (&d[i] << up) + (&e[i] << vp))
+    let (long, other) = (bits(d), bits(e));
+    let (up, vp) = (other.saturating_sub(long), long.saturating_sub(other));
+    [0, 1, 2].map(|i| (&d[i] << up) * IBig::from(n) + (&e[i] << vp) * IBig::from(m))
 }
 
 trait Bits {
@@ -273,7 +279,9 @@ impl<'a> Caster<'a> {
         for i in 0..n {
             let (low, high) = (&changes[i], &changes[(i + 1) % n]);
             let middle = between(low, high);
-            if !self.leads_inside(&middle) {
+            // A border between the eye's own cells may lie just in the middle.
+            let beside = between(low, &middle);
+            if !self.leads_inside(&middle) && !self.leads_inside(&beside) {
                 continue;
             }
             let (_, wall) = self.first_wall(&middle).expect("walls enclose the inside");

@@ -18,7 +18,7 @@ use crate::plan::{Ink, Stroke, level, moved, rectangle, ring};
 use crate::reference;
 
 /// Runs `check` on random values; prints how many, and from which seed.
-fn on_random<S: Strategy>(
+pub fn on_random<S: Strategy>(
     name: &'static str,
     cases: u32,
     strategy: S,
@@ -176,7 +176,7 @@ fn any_walls() -> BoxedStrategy<Vec<Stroke>> {
 }
 
 /// Walls with openings and see-through lines on and off them.
-fn any_inks() -> BoxedStrategy<Vec<Stroke>> {
+pub fn any_inks() -> BoxedStrategy<Vec<Stroke>> {
     let inks = [
         Ink::Solid,
         Ink::Wall,

@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(edges(360.0, 180.0), [[0, -one], [0, one]]);
         assert_eq!(
             edges(180.0, 270.0),
-            [edges(90.0, 90.0)[1], edges(-90.0, 90.0)[0]]
+            [edges(90.0, 90.0)[0], edges(-90.0, 90.0)[1]]
         );
         let [low, high] = edges(90.0, 60.0);
         assert_eq!([-low[0], low[1]], high);

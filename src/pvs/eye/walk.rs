@@ -1,10 +1,8 @@
 //! The walk from the eye through the portals.
 
-use smallvec::SmallVec;
-
 use super::{Cone, OWN, Outside, Piece, Stretch, Wedge};
 use crate::cells::CellId;
-use crate::geom::pencil::{Pencil, Ray};
+use crate::geom::pencil::{Aim, Pencil, Ray};
 use crate::geom::{Placed, Side};
 use crate::pvs::flat::{FlatEdge, FlatMesh, WALL};
 
@@ -20,25 +18,41 @@ pub struct Scratch {
     /// The walls that end the view, in the order of directions but for where that starts.
     pub(super) walls: Vec<Stretch>,
     frames: Vec<Frame>,
-    /// For each cell, when it was last seen.
-    marks: Vec<Mark>,
+    /// Of each cell around an eye on a border: the first edge that faces it, and the ray to its start.
+    around: Vec<(u32, Ray)>,
+    waiting: Vec<Arrival>,
+    /// For each cell, the look in which it was last seen; and the current look.
+    marks: Vec<u32>,
     look: u32,
 }
-
-#[derive(Clone, Copy)]
-struct Mark {
-    look: u32,
-    /// The last of the cell's pieces in that look, [`NO_PIECE`] if the eye touches the cell.
-    piece: u32,
-}
-
-const NO_PIECE: u32 = u32::MAX;
 
 /// A cell entered, of which some edges remain to be looked at.
 struct Frame {
     edge: u32,
     low: Ray,
     high: Ray,
+}
+
+/// A cell reached through one or more of its edges, counterclockwise as seen from the eye (clockwise
+/// around the cell) from `first` to `last`.
+struct Arrival {
+    first: u32,
+    last: u32,
+    low: Ray,
+    high: Ray,
+}
+
+impl Arrival {
+    /// Whether the view may go on into the same cell, to the left of where it ends: it ends in a
+    /// vertex of the cell, beyond which another portal faces the eye.
+    #[inline]
+    fn waits(&self, mesh: &FlatMesh, pencil: &Pencil) -> bool {
+        let next = previous(mesh, self.last);
+        let vertex = &mesh.edge(next).end;
+        self.high.aim() == Aim::Vertex(vertex.id)
+            && mesh.edge(next).twin != WALL
+            && pencil.is_left(&self.high, &pencil.ray(&origin(mesh, next)))
+    }
 }
 
 /// Where the eye is, for one cell.
@@ -68,16 +82,7 @@ impl Scratch {
         }
         self.n_own = self.seen.len();
         self.begin(mesh, pencil, cone, inside);
-        for i in 0..self.starts.len() {
-            let Stretch { edge, wedge } = self.starts[i];
-            let twin = mesh.edge(edge).twin;
-            if twin == WALL {
-                self.end_at(edge, wedge);
-            } else {
-                let (low, high) = (pencil.unpack(wedge.low), pencil.unpack(wedge.high));
-                self.walk(mesh, pencil, twin, low, high);
-            }
-        }
+        self.walk(mesh, pencil);
         Ok(())
     }
 
@@ -87,12 +92,8 @@ impl Scratch {
         self.starts.clear();
         self.walls.clear();
         if self.marks.len() != n_cells || self.look == u32::MAX {
-            let never = Mark {
-                look: 0,
-                piece: NO_PIECE,
-            };
             self.marks.clear();
-            self.marks.resize(n_cells, never);
+            self.marks.resize(n_cells, 0);
             self.look = 0;
         }
         self.look += 1;
@@ -114,10 +115,7 @@ impl Scratch {
     }
 
     fn own(&mut self, cell: CellId) {
-        self.marks[cell.0 as usize] = Mark {
-            look: self.look,
-            piece: NO_PIECE,
-        };
+        self.marks[cell.0 as usize] = self.look;
         self.seen.push(cell);
     }
 
@@ -129,14 +127,16 @@ impl Scratch {
             self.add_starts(mesh, pencil, edges, first);
         } else {
             // Cells around the eye, in the order of directions.
-            let mut own: SmallVec<[(u32, Ray); 8]> = SmallVec::new();
+            self.around.clear();
             for &cell in &self.seen {
                 let first = first_facing(mesh, pencil, cell);
-                own.push((first, pencil.ray(&origin(mesh, first))));
+                let ray = pencil.ray(&origin(mesh, first));
+                self.around.push((first, ray));
             }
-            own.sort_unstable_by(|a, b| pencil.turn_order(&a.1, &b.1));
-            for (first, _) in own {
-                self.add_starts(mesh, pencil, edges, first);
+            let by_turn = |a: &(u32, Ray), b: &(u32, Ray)| pencil.turn_order(&a.1, &b.1);
+            self.around.sort_unstable_by(by_turn);
+            for i in 0..self.around.len() {
+                self.add_starts(mesh, pencil, edges, self.around[i].0);
             }
         }
         // Starting with the cone, if it starts in here.
@@ -196,82 +196,115 @@ impl Scratch {
         }
     }
 
-    /// Enters a cell through its edge `entry`, and walks on, depth first and counterclockwise. The
-    /// open wedge between `low` and `high` is not empty, and lies within the entry.
-    fn walk(&mut self, mesh: &FlatMesh, pencil: &Pencil, entry: u32, low: Ray, high: Ray) {
-        let (mut low, mut high) = (low, high);
-        let mut e = self.enter(mesh, pencil, entry, &low, &high);
-        loop {
+    /// Walks on from the edges of own cells, depth first and counterclockwise.
+    ///
+    /// Where two portals of a cell meet in a vertex, the view parts; right behind the vertex both
+    /// parts reach one cell again. So that it, and all behind it, is not walked twice, an arrival
+    /// waits if a second one may follow to its left; see [`Arrival::waits`]. It goes on when that
+    /// comes, or else before the next wall is noted, so that walls keep their order.
+    fn walk(&mut self, mesh: &FlatMesh, pencil: &Pencil) {
+        self.frames.clear();
+        for start in self.starts.iter().rev() {
+            self.frames.push(Frame {
+                edge: start.edge,
+                low: pencil.unpack(start.wedge.low),
+                high: pencil.unpack(start.wedge.high),
+            });
+        }
+        let mut current = self.resume(mesh, pencil);
+        while let Some(Frame { edge: e, low, high }) = current {
             let edge = mesh.edge(e);
             let end = pencil.ray(&edge.end);
-            let more = pencil.is_left(&end, &high);
-            if edge.twin == WALL {
-                let wedge = Wedge {
-                    low: low.pack(),
-                    high: if more { end.pack() } else { high.pack() },
-                };
-                self.end_at(e, wedge);
-                if more {
-                    low = end;
-                    e = edge.next(e);
-                    continue;
-                }
+            let rest = pencil.is_left(&end, &high).then(|| Frame {
+                edge: edge.next(e),
+                low: end,
+                high,
+            });
+            let to = if rest.is_some() { end } else { high };
+            if edge.twin != WALL {
+                self.frames.extend(rest);
+                let entered = self.arrive(mesh, pencil, edge.twin, low, to);
+                current = entered.or_else(|| self.resume(mesh, pencil));
+            } else if let Some(waiting) = self.waiting.pop() {
+                self.frames.push(Frame { edge: e, low, high });
+                current = Some(self.enter(mesh, pencil, &waiting));
             } else {
-                if more {
-                    self.frames.push(Frame {
-                        edge: edge.next(e),
-                        low: end,
-                        high,
-                    });
-                    high = end;
-                }
-                e = self.enter(mesh, pencil, edge.twin, &low, &high);
-                continue;
+                let (low, high) = (low.pack(), to.pack());
+                self.end_at(e, Wedge { low, high });
+                current = rest.or_else(|| self.resume(mesh, pencil));
             }
-            let Some(frame) = self.frames.pop() else {
-                break;
-            };
-            (e, low, high) = (frame.edge, frame.low, frame.high);
         }
     }
 
-    /// Notes a cell entered; the edge of it that the wedge's first directions meet.
+    /// Where to go on.
     #[inline]
-    fn enter(
+    fn resume(&mut self, mesh: &FlatMesh, pencil: &Pencil) -> Option<Frame> {
+        self.frames.pop().or_else(|| {
+            let waiting = self.waiting.pop()?;
+            Some(self.enter(mesh, pencil, &waiting))
+        })
+    }
+
+    /// Arrives at a cell through its edge `entry`. The open wedge between `low` and `high` is not
+    /// empty, and lies within the entry. `None` if the arrival waits.
+    #[inline]
+    fn arrive(
         &mut self,
         mesh: &FlatMesh,
         pencil: &Pencil,
         entry: u32,
-        low: &Ray,
-        high: &Ray,
-    ) -> u32 {
-        let cell = mesh.edge(entry).cell;
-        let wedge = Wedge {
-            low: low.pack(),
-            high: high.pack(),
+        low: Ray,
+        high: Ray,
+    ) -> Option<Frame> {
+        let mut arrival = Arrival {
+            first: entry,
+            last: entry,
+            low,
+            high,
         };
-        let mark = &mut self.marks[cell as usize];
-        let before = if mark.look == self.look {
-            self.pieces.get_mut(mark.piece as usize)
-        } else {
-            self.seen.push(CellId(cell));
-            None
-        };
-        match before {
-            Some(piece) if piece.wedge.high == wedge.low => piece.wedge.high = wedge.high,
-            _ => {
-                *mark = Mark {
-                    look: self.look,
-                    piece: self.pieces.len() as u32,
-                };
-                self.pieces.push(Piece {
-                    cell: CellId(cell),
-                    entry,
-                    wedge,
-                });
-            }
+        if let Some(waiting) = self.waiting.last()
+            && previous(mesh, waiting.last) == entry
+            && waiting.high.pack() == low.pack()
+        {
+            (arrival.first, arrival.low) = (waiting.first, waiting.low);
+            self.waiting.pop();
         }
-        first_met(mesh, pencil, entry, low)
+        if arrival.waits(mesh, pencil) {
+            self.waiting.push(arrival);
+            None
+        } else {
+            Some(self.enter(mesh, pencil, &arrival))
+        }
+    }
+
+    /// Enters a cell: notes its piece, and tells what is to be looked at in it.
+    #[inline]
+    fn enter(&mut self, mesh: &FlatMesh, pencil: &Pencil, arrival: &Arrival) -> Frame {
+        let Arrival {
+            first: entry,
+            low,
+            high,
+            ..
+        } = *arrival;
+        let cell = mesh.edge(entry).cell;
+        let mark = &mut self.marks[cell as usize];
+        if *mark != self.look {
+            *mark = self.look;
+            self.seen.push(CellId(cell));
+        }
+        self.pieces.push(Piece {
+            cell: CellId(cell),
+            entry,
+            wedge: Wedge {
+                low: low.pack(),
+                high: high.pack(),
+            },
+        });
+        Frame {
+            edge: first_met(mesh, pencil, entry, &low),
+            low,
+            high,
+        }
     }
 
     /// Notes that a wall ends the view in a wedge.
