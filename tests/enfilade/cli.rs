@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::readers::{sample, two_squares};
 
-fn enfilade(arguments: &[&str]) -> Output {
+pub fn enfilade(arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("enfilade").expect("the program is built");
     let output = command
         .args(arguments)
@@ -21,7 +21,7 @@ fn enfilade(arguments: &[&str]) -> Output {
     output
 }
 
-fn level(path: &str) -> String {
+pub fn level(path: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     root.join("levels")
         .join(path)
@@ -40,7 +40,7 @@ fn file(name: &str, content: &[u8]) -> (TempDir, String) {
 
 /// The program must refuse, with status 2, nothing on standard output, and one line on standard
 /// error that holds all of `parts`.
-fn refused(arguments: &[&str], parts: &[&str]) {
+pub fn refused(arguments: &[&str], parts: &[&str]) {
     let output = enfilade(arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {errors}");
