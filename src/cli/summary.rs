@@ -79,8 +79,8 @@ fn undecided(pvs: &Pvs) -> String {
     }
     let share = 100.0 * pvs.undecided as f64 / pvs.pairs().max(1) as f64;
     format!(
-        "{}, {share:.4} % of those above: neither a sightline nor the proof that there is none was \
-         found in the time and parts allowed, so they count as visible",
+        "{}, {share:.4} % of those above, counted as visible without proof: neither a sightline nor \
+         the proof that there is none was found in the time and parts allowed",
         count(pvs.undecided as usize, "ordered pair"),
     )
 }

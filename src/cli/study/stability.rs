@@ -68,6 +68,10 @@ pub fn run(args: &StabilityArgs) -> Result<Answer> {
         };
         levels.iter().map(row).collect::<Result<Vec<Row>>>()
     })?;
+    // A level that states nothing of what cells see is about something else: about a single eye.
+    let rows: Vec<Row> = (rows.into_iter())
+        .filter(|row| row.about_sight + row.others > 0)
+        .collect();
     markdown.write(|out| out.write_all(table::markdown(&rows, &options).as_bytes()))?;
     if let Some(json) = &mut json {
         json.write(|out| {
