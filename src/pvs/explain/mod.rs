@@ -55,6 +55,7 @@ impl Default for ExplainOptions {
 
 /// Why one cell sees another, or why not.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one at a time is made
 pub enum Explanation {
     /// Both are one cell: nothing stands in it.
     Same,

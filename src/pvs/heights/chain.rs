@@ -354,7 +354,7 @@ fn stop_together(one: &Values, other: &Values) -> bool {
             least = least.max(-p.hi / q.hi);
         }
     }
-    if !(least < most) {
+    if least.partial_cmp(&most) != Some(std::cmp::Ordering::Less) {
         return false;
     }
     let factor = Interval::point(match most {
