@@ -500,7 +500,7 @@ fn the_seed_and_the_number_of_rays_count() {
 fn what_is_left_undecided_is_said() {
     let maze = level("maze.toml");
     let (_folder, path) = file("maze.pvs", b"");
-    let hurried = ["--method", "flow", "--time-limit", "1e-9"];
+    let hurried = ["--method", "lp", "--time-limit", "1e-9"];
     let mut arguments = vec!["build", &maze, "-o", &path];
     arguments.extend(hurried);
     let output = enfilade(&arguments);
@@ -520,7 +520,7 @@ fn what_is_left_undecided_is_said() {
     arguments.extend(hurried);
     let table = String::from_utf8(enfilade(&arguments).stdout).expect("text");
     assert!(
-        table.contains("flow (approximate)") && table.contains("undecided"),
+        table.contains("lp (approximate)") && table.contains("undecided"),
         "{table}"
     );
 }
