@@ -14,8 +14,8 @@ const LEGEND: &str = "\
 Each case is a level whose comment derives the answer by hand. *exact* are `sweep` and `search`, \
 which must agree; *lp* is the linear programme and *flow* the Quake tools' portal flow with their \
 customary epsilon of a tenth of a map unit (3 mm), both in floating point. `ok`: right on all \
-statements and on all pairs of cells. Otherwise a cell tells how many statements are answered wrongly, \
-with the first of them, and how many ordered pairs of cells are missed (they see each other, but the \
+statements and on all pairs of cells. Otherwise a cell tells how many of the statements about sight are answered \
+wrongly, with the first of them, and how many ordered pairs of cells are missed (they see each other, but the \
 method says no) or invented (the other way round), where so many see each other as *visible pairs* says. \
 The linear programme is not asked where it would take long";
 
