@@ -1,11 +1,12 @@
 //! `enfilade study`: what the methods gain, lose and cost. One file per study.
 
 mod stability;
+mod visibility;
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
 
-use super::Answer;
+use super::{Answer, Memory};
 
 /// Compare the methods: where they err, and what accuracy costs.
 #[derive(Debug, Args)]
@@ -16,12 +17,14 @@ pub struct StudyArgs {
 
 #[derive(Debug, Subcommand)]
 enum Study {
+    Visibility(visibility::VisibilityArgs),
     Stability(stability::StabilityArgs),
 }
 
 /// Runs `enfilade study`.
-pub fn run(args: &StudyArgs) -> Result<Answer> {
+pub fn run(args: &StudyArgs, memory: Option<Memory>) -> Result<Answer> {
     match &args.study {
+        Study::Visibility(args) => visibility::run(args, memory),
         Study::Stability(args) => stability::run(args),
     }
 }

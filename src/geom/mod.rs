@@ -4,11 +4,13 @@
 //! compares a floating-point number with a tolerance: see [`predicate`] for how signs are decided.
 
 mod grid;
+pub mod interval;
 mod line;
 pub mod predicate;
 mod vertex;
 
 pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
+pub use interval::Interval;
 pub use line::Line;
 pub use predicate::{Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

@@ -12,6 +12,7 @@ use glam::DVec2;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::grid::GridPoint;
+use super::interval::Interval;
 use super::line::Line;
 use super::vertex::Vertex;
 
@@ -115,8 +116,11 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
-    /// See [`Vertices::bound`].
+    /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
+    /// it is off by less.
     bound: f64,
+    /// How far a coordinate of an f64 copy is off at most.
+    error: f64,
 }
 
 impl Vertices {
@@ -124,18 +128,20 @@ impl Vertices {
     pub fn new(exact: Vec<Vertex>) -> Self {
         let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
         let all_grid = exact.iter().all(|v| v.grid().is_some());
-        let bound = if all_grid {
+        let largest = || {
+            let coordinates = approx.iter().map(|p| p.x.abs().max(p.y.abs()));
+            coordinates.fold(0.0f64, f64::max)
+        };
+        let (bound, error) = if all_grid {
             // Differences have at most 27 bits, products 53, and so has their difference.
-            0.0
+            (0.0, 0.0)
         } else {
             // With M the largest coordinate and u = 2^-53: a copy is off by at most 3.01·u·M, a
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = approx
-                .iter()
-                .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
-            m * m * 2f64.powi(-45)
+            let m = largest();
+            (m * m * 2f64.powi(-45), m * 2f64.powi(-51))
         };
         let narrow = width(&exact) <= 127;
         Self {
@@ -144,6 +150,7 @@ impl Vertices {
             all_grid,
             narrow,
             bound,
+            error,
         }
     }
 
@@ -229,6 +236,31 @@ impl Vertices {
         } else {
             self.orient_exact(p, q, r)
         }
+    }
+
+    /// Twice the area of the triangle, positive where `r` lies left of the way from `p` to `q`: an
+    /// interval on the true side of zero, and exactly zero where the three lie on one line.
+    #[inline]
+    pub fn area(&self, p: &Placed, q: &Placed, r: &Placed) -> Interval {
+        let (to_q, to_r) = (q.at - p.at, r.at - p.at);
+        let cross = to_q.x * to_r.y - to_q.y * to_r.x;
+        if self.all_grid {
+            return Interval::point(cross);
+        }
+        if p.id == r.id || q.id == r.id || p.id == q.id {
+            return Interval::ZERO;
+        }
+        let area = Interval::around(cross, self.bound);
+        if cross.abs() > self.bound {
+            area
+        } else {
+            area.on(self.orient_exact(p.id, q.id, r.id))
+        }
+    }
+
+    /// How far a coordinate of an f64 copy may be off; zero where all vertices are grid points.
+    pub fn error(&self) -> f64 {
+        self.error
     }
 
     #[cold]
@@ -360,5 +392,34 @@ impl VertexSet {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_and_facing_where_copies_do_not_tell() {
+        // Off the grid, and in f64 all three in the same place.
+        let at = |x: i128, y: i128| Vertex::homogeneous(x, y, (1 << 50) - 1).unwrap();
+        let far = 1 << 73;
+        let vertices = Vertices::new(vec![
+            at(0, 0),
+            at(far, far),
+            at(far + 1, far),
+            at(far, far + 1),
+            at(far + 1, far + 1),
+        ]);
+        let [o, p, right, up, q] = [0, 1, 2, 3, 4].map(|i| vertices.placed(VertexId(i)));
+        assert_eq!(p.at, q.at);
+        assert_eq!(vertices.turn([&o, &p], [&p, &right]), Side::Right);
+        assert_eq!(vertices.turn([&o, &p], [&p, &up]), Side::Left);
+        assert_eq!(vertices.turn([&o, &p], [&p, &q]), Side::On);
+        assert_eq!(vertices.facing([&p, &right], [&p, &up]), Ordering::Equal);
+        assert_eq!(vertices.facing([&p, &q], [&p, &up]), Ordering::Greater);
+        assert_eq!(vertices.facing([&p, &q], [&up, &p]), Ordering::Less);
+        assert_eq!(vertices.facing([&o, &p], [&up, &right]), Ordering::Equal);
+        assert_eq!(vertices.facing([&o, &q], [&p, &p]), Ordering::Equal);
     }
 }

@@ -6,6 +6,7 @@
 //! exactly, in entirely different ways.
 
 mod bits;
+pub mod explain;
 mod fan;
 pub mod file;
 mod flat;
@@ -269,7 +270,7 @@ impl Progress {
     }
 
     /// Asks the computation to come to an end soon. Methods with undecided pairs then leave what is
-    /// open undecided; others take no notice.
+    /// open undecided, the search gives up; others take no notice.
     pub fn stop(&self) {
         self.stop.store(true, Relaxed);
     }

@@ -46,8 +46,8 @@ pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
     })
 }
 
-/// Whether some line stabs the chain, each gate of which must be in the convex cell beyond the one
-/// before; exact.
+/// Whether some line stabs the chain; exact. Each gate must be in the convex cell beyond the one
+/// before, and the vertices must hold each point once.
 pub fn is_stabbed(vertices: &Vertices, chain: &[Gate]) -> bool {
     misfit(vertices, chain, &mut Funnel::with_room(chain.len())).is_none()
 }
@@ -68,6 +68,7 @@ pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
 }
 
 /// A stabbed chain of gates, each in the convex cell beyond the one before, that grows and shrinks.
+/// Its vertices must hold each point once, as those of a [`CellGraph`](crate::cells::CellGraph) do.
 #[derive(Clone, Debug)]
 pub struct Chain<'a> {
     vertices: &'a Vertices,
@@ -94,8 +95,8 @@ impl<'a> Chain<'a> {
         match self.gates.last() {
             _ if gate.left == gate.right => return false,
             None => self.funnel.begin(left, right),
-            Some(last) => {
-                let undo = self.funnel.extend_past(self.vertices, *last, [left, right]);
+            Some(_) => {
+                let undo = self.funnel.push(self.vertices, left, right);
                 let Some(undo) = undo else { return false };
                 self.undos.push(undo);
             }
@@ -117,8 +118,8 @@ impl<'a> Chain<'a> {
         &self.gates
     }
 
-    /// The widest strip that the chain lets through; no wider for a longer chain. `None` for the
-    /// empty chain.
+    /// The widest strip that the chain lets through; no wider for a longer chain, up to rounding.
+    /// `None` for the empty chain.
     pub fn slack(&self) -> Option<Slack> {
         let some = !self.gates.is_empty();
         some.then(|| widest(self.vertices, &self.funnel).slack(self.vertices))

@@ -109,6 +109,12 @@ impl Hull {
         }
     }
 
+    /// The lines along the hull, the last one first.
+    fn edges(&self) -> impl Iterator<Item = [Placed; 2]> + '_ {
+        let points = &self.points[self.start as usize..self.end as usize];
+        points.windows(2).rev().map(|w| [w[0], w[1]])
+    }
+
     fn restore(&mut self, undo: &HullUndo) {
         (self.start, self.end) = (undo.start, undo.end);
         if undo.position != u32::MAX {
@@ -283,39 +289,12 @@ impl Funnel {
         }
     }
 
-    /// As [`Funnel::extend`], for who does not walk around the cell between the last portal, `last`,
-    /// and the new one, of which the left and the right end are given.
-    pub fn extend_past(
-        &mut self,
-        vertices: &Vertices,
-        last: Gate,
-        ends: [Placed; 2],
-    ) -> Option<Undo> {
-        let [left, right] = ends;
-        let start = self.right_end_seen();
-        let right_seen = if right.id == last.right {
-            start
-        } else {
-            self.next_seen(vertices, start, &right)
-        };
-        let left_seen = if left.id == last.left {
-            // It bounds the lines already.
-            Seen {
-                inside_left: self.lines.is_empty(),
-                inside_right: true,
-            }
-        } else {
-            self.next_seen(vertices, right_seen, &left)
-        };
-        self.extend(vertices, (left, left_seen), (right, right_seen))
-    }
-
-    /// As [`Funnel::extend_past`], but not to be undone, nor may what was added before be undone any
-    /// more. Whether the portal fits.
+    /// As [`Funnel::push`] after the portal `last`, but not to be undone, nor may what was added
+    /// before be undone any more. Whether the portal fits.
     #[inline]
     pub fn narrow(&mut self, vertices: &Vertices, last: Gate, [left, right]: [Placed; 2]) -> bool {
         let Some((ccw, cw)) = self.lines.last() else {
-            return self.extend_past(vertices, last, [left, right]).is_some();
+            return self.push(vertices, left, right).is_some();
         };
         // As in `next_seen`: the right end comes first, and ends of the last portal bound the lines
         // already.
@@ -355,6 +334,20 @@ impl Funnel {
         self.right.bounds()
     }
 
+    /// Adds any portal that follows in the chain, wherever it was met; `None` as for
+    /// [`Funnel::extend`].
+    pub fn push(&mut self, vertices: &Vertices, left: Placed, right: Placed) -> Option<Undo> {
+        let lines = self.lines.last().copied();
+        let seen = |p: &Placed| match &lines {
+            None => Seen::WITHIN,
+            Some((ccw, cw)) => Seen {
+                inside_left: ccw.passes(vertices, p, Side::Right),
+                inside_right: cw.passes(vertices, p, Side::Left),
+            },
+        };
+        self.extend(vertices, (left, seen(&left)), (right, seen(&right)))
+    }
+
     /// Whether all stabbing lines lead left (towards smaller x) by at least a grid step between the
     /// vertices that bound them; never true without being certain, as copies are off by far less.
     #[inline]
@@ -363,6 +356,19 @@ impl Funnel {
         self.lines
             .last()
             .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
+    }
+
+    /// The lines that bound the stabbing lines of a chain of at least two portals: each touches a left
+    /// or right end and, later on its way, another one. In the space of lines they are the corners
+    /// of a convex polygon, at least three; every stabbing line is a sum of them with positive
+    /// weights. In order around it.
+    pub fn corners(&self) -> impl Iterator<Item = [Placed; 2]> + '_ {
+        let extreme = |line: &Through| [line.from, line.to];
+        let (ccw, cw) = self.lines.last().map_or((None, None), |(ccw, cw)| {
+            (Some(extreme(ccw)), Some(extreme(cw)))
+        });
+        let left = ccw.into_iter().chain(self.left.edges());
+        left.chain(cw).chain(self.right.edges())
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.

@@ -13,8 +13,10 @@
 //! 4. Cells along random free segments, many of them just past the ends of walls, see each other
 //!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free.
 
+mod caster;
 mod cells;
 mod ground;
+mod pair;
 mod sight;
 mod walls;
 
@@ -22,6 +24,8 @@ mod walls;
 mod tests;
 
 use std::fmt;
+
+pub use caster::{Caster, Place};
 
 use super::Progress;
 use super::file::{LevelInfo, PvsFile};

@@ -260,3 +260,41 @@ mod geometry {
         assert!(!touch(p(1, 2), p(1, 2), p(0, 0), p(2, 2)));
     }
 }
+
+/// Pairs spread over all of a level, asked one by one.
+#[test]
+fn single_pairs_agree_with_the_sweep() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    let mut levels = vec![root.join("tiny.toml"), root.join("museum.toml")];
+    for entry in std::fs::read_dir(root.join("hard")).unwrap() {
+        levels.push(entry.unwrap().path());
+    }
+    let mut seen = [0, 0];
+    for path in levels {
+        let Ok(level) = toml::read(&std::fs::read_to_string(&path).unwrap(), "level.toml") else {
+            continue;
+        };
+        for subdivision in Subdivision::ALL {
+            let options = Options {
+                subdivision,
+                ..Options::default()
+            };
+            let graph = subdivide(&level, &options);
+            let pvs = sweep::sweep(&graph, &Progress::default());
+            let caster = Caster::new(&level, &graph);
+            let n = graph.cells.len() as u32;
+            let pairs = (0..n * n).step_by((n * n / 40).max(1) as usize | 1);
+            for [a, b] in pairs.map(|i| [CellId(i / n), CellId(i % n)]) {
+                if a < b {
+                    let wanted = pvs.sees(a, b);
+                    let joined = caster.joined([a, b]);
+                    seen[usize::from(wanted)] += u32::from(joined.is_some());
+                    // Too many points are no answer.
+                    let agrees = joined.is_none_or(|joined| joined == wanted);
+                    assert!(agrees, "{path:?}, {subdivision:?}: {a:?} {b:?}");
+                }
+            }
+        }
+    }
+    assert!(seen[0] > 200 && seen[1] > 200, "{seen:?}");
+}

@@ -4,6 +4,7 @@
 //! 1200 units wide. With a source it shows what the lecture's result (a) does: the source cell dark
 //! blue, its visible cells light blue, sample stabbing lines green.
 
+mod explained;
 mod layers;
 mod legend;
 mod names;
@@ -13,6 +14,7 @@ mod sheet;
 use svg::Document;
 use svg::node::element::Rectangle;
 
+pub use self::explained::draw_explained;
 use self::layers::Layers;
 use self::sheet::Sheet;
 use super::sightlines::Sightline;
