@@ -47,15 +47,19 @@ pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
 }
 
 /// Whether some line stabs the chain; exact. Each gate must be in the convex cell beyond the one
-/// before, and the vertices must hold each point once.
-pub fn is_stabbed(vertices: &Vertices, chain: &[Gate]) -> bool {
-    misfit(vertices, chain, &mut Funnel::with_room(chain.len())).is_none()
+/// before, and the vertices must hold each point once. The funnel, whatever it held, lends its room:
+/// who asks often keeps one.
+pub fn is_stabbed(vertices: &Vertices, chain: &[Gate], room: &mut Funnel) -> bool {
+    misfit(vertices, chain, room).is_none()
 }
 
-/// The widest strip that the chain lets through; `None` if no line stabs it. At least one gate.
+/// The widest strip that the chain lets through; `None` if no line stabs it, and for the empty chain.
 pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
+    if chain.is_empty() {
+        return None;
+    }
     let mut funnel = Funnel::with_room(chain.len());
-    if misfit(vertices, chain, &mut funnel).is_none() && !chain.is_empty() {
+    if misfit(vertices, chain, &mut funnel).is_none() {
         let strip = widest(vertices, &funnel);
         if strip.is_widest(vertices, chain) {
             return Some(strip.slack(vertices));

@@ -8,6 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::exact::{is_stabbed, slack};
+use super::funnel::Funnel;
 use super::*;
 use crate::geom::{GridPoint, Line, Side, Vertex, VertexId, Vertices, orient};
 
@@ -98,7 +99,7 @@ fn grows_and_shrinks(vertices: &Vertices, gates: &[Gate]) {
         widths.push(found.width);
     }
     let n = chain.gates().len();
-    assert_eq!(n == gates.len(), is_stabbed(vertices, gates));
+    assert_eq!(n == gates.len(), is_stabbed(vertices, gates, &mut Funnel::default()));
     while chain.pop().is_some() {
         widths.pop();
         let width = chain.slack().map_or(f64::INFINITY, |found| found.width);
@@ -473,7 +474,7 @@ fn random_chains_agree_with_brute_force() {
             let open = checked(&vertices, &chain);
             let reference = Reference::new(&vertices, &chain);
             assert_eq!(open, !reference.contradicts(), "{vertices:?} {chain:?}");
-            assert_eq!(open, is_stabbed(&vertices, &chain), "{chain:?}");
+            assert_eq!(open, is_stabbed(&vertices, &chain, &mut Funnel::default()), "{chain:?}");
             grows_and_shrinks(&vertices, &chain);
             [&mut blocked, &mut stabbed][usize::from(open)][kind] += 1;
             // Any gates at all, such as those of no cells, with every point there twice.
