@@ -6,6 +6,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
+use glam::DVec2;
+
 use super::predicate::Side;
 
 /// Numbers from `lo` to `hi`, both included.
@@ -180,6 +182,36 @@ impl Mul for Interval {
                 .into_iter()
                 .fold(f64::NEG_INFINITY, most),
         }
+    }
+}
+
+/// A vector on the plan whose coordinates are known nearly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// To the right.
+    pub x: Interval,
+    /// Upwards.
+    pub y: Interval,
+}
+
+impl Span {
+    /// From one point to another, the coordinates of each off by at most its error.
+    #[inline]
+    pub fn new((p, p_error): (DVec2, f64), (q, q_error): (DVec2, f64)) -> Self {
+        let known = |x, error| match error {
+            0.0 => Interval::point(x),
+            _ => Interval::around(x, error),
+        };
+        Self {
+            x: known(q.x, q_error) - known(p.x, p_error),
+            y: known(q.y, q_error) - known(p.y, p_error),
+        }
+    }
+
+    /// Twice the area between this vector and another one, positive where that points further left.
+    #[inline]
+    pub fn cross(self, other: Self) -> Interval {
+        self.x * other.y - self.y * other.x
     }
 }
 

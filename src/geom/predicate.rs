@@ -11,7 +11,7 @@ use ethnum::I256;
 use glam::DVec2;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
-use super::grid::GridPoint;
+use super::grid::{GRID_LIMIT, GridPoint};
 use super::interval::Interval;
 use super::line::Line;
 use super::vertex::Vertex;
@@ -107,6 +107,27 @@ pub struct Placed {
     pub at: DVec2,
 }
 
+/// A directed line through two different grid points, with f64 copies at hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Directed {
+    from: GridPoint,
+    to: GridPoint,
+    at: DVec2,
+    d: DVec2,
+}
+
+impl Directed {
+    /// The line from one grid point to another; `None` where they are the same, or off the grid.
+    pub fn through(from: GridPoint, to: GridPoint) -> Option<Self> {
+        let on_grid = |p: GridPoint| p.x.abs() < GRID_LIMIT && p.y.abs() < GRID_LIMIT;
+        (from != to && on_grid(from) && on_grid(to)).then(|| {
+            let at = DVec2::new(from.x as f64, from.y as f64);
+            let d = DVec2::new((to.x - from.x) as f64, (to.y - from.y) as f64);
+            Self { from, to, at, d }
+        })
+    }
+}
+
 /// A fixed set of exact vertices with f64 copies for the filter.
 #[derive(Clone, Debug, Default)]
 pub struct Vertices {
@@ -116,6 +137,8 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
+    /// The largest coordinate of the f64 copies, without its sign.
+    reach: f64,
     /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
     /// it is off by less.
     bound: f64,
@@ -128,10 +151,9 @@ impl Vertices {
     pub fn new(exact: Vec<Vertex>) -> Self {
         let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
         let all_grid = exact.iter().all(|v| v.grid().is_some());
-        let largest = || {
-            let coordinates = approx.iter().map(|p| p.x.abs().max(p.y.abs()));
-            coordinates.fold(0.0f64, f64::max)
-        };
+        let reach = approx
+            .iter()
+            .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
         let (bound, error) = if all_grid {
             // Differences have at most 27 bits, products 53, and so has their difference.
             (0.0, 0.0)
@@ -140,8 +162,7 @@ impl Vertices {
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = largest();
-            (m * m * 2f64.powi(-45), m * 2f64.powi(-51))
+            (reach * reach * 2f64.powi(-45), reach * 2f64.powi(-51))
         };
         let narrow = width(&exact) <= 127;
         Self {
@@ -149,9 +170,20 @@ impl Vertices {
             approx,
             all_grid,
             narrow,
+            reach,
             bound,
             error,
         }
+    }
+
+    /// The largest coordinate of the vertices' f64 copies, without its sign.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether all of them are grid points.
+    pub fn are_grid(&self) -> bool {
+        self.all_grid
     }
 
     /// Number of vertices.
@@ -272,6 +304,32 @@ impl Vertices {
         } else {
             orient(p, q, r)
         }
+    }
+
+    /// Side of the vertex as seen by somebody who walks along the line.
+    #[inline]
+    pub fn side_along(&self, line: &Directed, r: &Placed) -> Side {
+        let cross = line.d.x * (r.at.y - line.at.y) - line.d.y * (r.at.x - line.at.x);
+        // Between grid points, all differences have at most 27 bits: the cross product is exact.
+        // Otherwise, with L = 2^25 and u = 2^-53: the copy is off by at most 3·u·L and the
+        // difference by 3·u·L + u·2L, in each coordinate; each product by 2L times as much and by
+        // u·4L², and their difference by u·8L² more. Together below 36·u·L² = 4.5.
+        let bound = if self.all_grid { 0.0 } else { 4.5 };
+        if cross > bound {
+            Side::Left
+        } else if cross < -bound {
+            Side::Right
+        } else if self.all_grid {
+            Side::On
+        } else {
+            self.side_along_exactly(line, r.id)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn side_along_exactly(&self, line: &Directed, r: VertexId) -> Side {
+        orient(&line.from.into(), &line.to.into(), self.exact(r))
     }
 
     /// To which side somebody turns who walked from `p` to `q` and goes on as from `r` to `s`: the

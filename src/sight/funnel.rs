@@ -289,12 +289,39 @@ impl Funnel {
         }
     }
 
-    /// As [`Funnel::push`] after the portal `last`, but not to be undone, nor may what was added
-    /// before be undone any more. Whether the portal fits.
+    /// As [`Funnel::extend`], for who does not walk around the cell between the last portal, `last`,
+    /// and the new one, of which the left and the right end are given.
+    pub fn extend_past(
+        &mut self,
+        vertices: &Vertices,
+        last: Gate,
+        ends: [Placed; 2],
+    ) -> Option<Undo> {
+        let [left, right] = ends;
+        let start = self.right_end_seen();
+        let right_seen = if right.id == last.right {
+            start
+        } else {
+            self.next_seen(vertices, start, &right)
+        };
+        let left_seen = if left.id == last.left {
+            // It bounds the lines already.
+            Seen {
+                inside_left: self.lines.is_empty(),
+                inside_right: true,
+            }
+        } else {
+            self.next_seen(vertices, right_seen, &left)
+        };
+        self.extend(vertices, (left, left_seen), (right, right_seen))
+    }
+
+    /// As [`Funnel::extend_past`], but not to be undone, nor may what was added before be undone any
+    /// more. Whether the portal fits.
     #[inline]
     pub fn narrow(&mut self, vertices: &Vertices, last: Gate, [left, right]: [Placed; 2]) -> bool {
         let Some((ccw, cw)) = self.lines.last() else {
-            return self.push(vertices, left, right).is_some();
+            return self.extend_past(vertices, last, [left, right]).is_some();
         };
         // As in `next_seen`: the right end comes first, and ends of the last portal bound the lines
         // already.

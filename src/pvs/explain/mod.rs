@@ -8,6 +8,7 @@
 mod chain;
 mod corner;
 mod segment;
+mod space;
 mod straight;
 mod strip;
 mod view;
@@ -16,6 +17,7 @@ mod way;
 pub use chain::gates;
 pub use corner::{Corner, corner_at, corners_of, edges_at};
 pub use segment::{Point, Segment};
+pub use space::Space;
 pub use straight::{Straight, straight};
 pub use strip::Strip;
 pub use view::{Beside, View, last_cell};
@@ -24,6 +26,7 @@ pub use way::Way;
 use glam::DVec2;
 
 use super::Pvs;
+use super::heights::HeightsOptions;
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{GridPoint, VertexId};
 use crate::sight::Contradiction;
@@ -36,6 +39,8 @@ pub struct ExplainOptions {
     /// Where the way on foot starts and ends, in grid steps, inside of the two cells; `None`: in the
     /// cells' middles.
     pub points: Option<[DVec2; 2]>,
+    /// Whether floors and ceilings count, and how hard to try.
+    pub heights: Option<HeightsOptions>,
 }
 
 impl Default for ExplainOptions {
@@ -43,21 +48,35 @@ impl Default for ExplainOptions {
         Self {
             max_steps: 100_000,
             points: None,
+            heights: None,
         }
     }
 }
 
 /// Why one cell sees another, or why not.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one at a time is made
 pub enum Explanation {
     /// Both are one cell: nothing stands in it.
     Same,
-    /// They see each other.
+    /// They see each other on the plan; [`View::space`] tells whether they do with heights.
     Visible(View),
     /// They do not.
     Hidden(Hidden),
     /// They do not, and no way leads from the one to the other.
     Apart,
+}
+
+impl Explanation {
+    /// Whether the two cells see each other, as far as is known: with heights, if those were asked
+    /// for.
+    pub fn sees(&self) -> bool {
+        match self {
+            Explanation::Same => true,
+            Explanation::Visible(view) => !matches!(view.space, Some(Space::Blocked(_))),
+            Explanation::Hidden(_) | Explanation::Apart => false,
+        }
+    }
 }
 
 /// Why one cell does not see another.
@@ -68,12 +87,13 @@ pub struct Hidden {
     /// Position in the way's portals of the first one behind which the first cell sees nothing,
     /// neither along this way nor along another.
     pub stop: usize,
-    /// Ends of portals up to that one between which a line along the way would have to pass, and
-    /// cannot. For this way they prove it; that the other ways fail too, the PVS says.
+    /// Ends of the way's portals (those up to that one, if they will do) between which a line along
+    /// the way would have to pass, and cannot: walls, if walls alone prove it. That all other ways
+    /// fail too, the PVS says.
     pub ends: Contradiction,
 }
 
-/// Explains what `pvs` says of two cells. It must be the graph's exact PVS.
+/// Explains what `pvs` says of two cells. It must be the graph's exact PVS on the plan.
 pub fn explain(
     graph: &CellGraph,
     pvs: &Pvs,
@@ -86,12 +106,17 @@ pub fn explain(
     }
     if pvs.sees(a, b) {
         let best = chain::widest(graph, pvs, a, b, options.max_steps)?;
-        return view::view(graph, a, b, &best).map(Explanation::Visible);
+        let mut view = view::view(graph, a, b, &best)?;
+        view.space = options
+            .heights
+            .map(|heights| space::space(graph, a, b, &view.portals, &heights));
+        return Some(Explanation::Visible(view));
     }
     let [from, to] = options
         .points
         .unwrap_or_else(|| [a, b].map(|cell| middle(graph, cell)));
-    let Some(way) = way::shortest(graph, (a, from), (b, to)) else {
+    let exact = |p: DVec2| Point::rounded(p, 20).vertex();
+    let Some(way) = way::shortest(graph, (a, exact(from)?), (b, exact(to)?)) else {
         return Some(Explanation::Apart);
     };
     hidden(graph, pvs, a, way).map(Explanation::Hidden)
@@ -115,17 +140,13 @@ fn hidden(graph: &CellGraph, pvs: &Pvs, a: CellId, way: Way) -> Option<Hidden> {
     let beyond = |e: EdgeId| graph.edge(e).twin().map(|twin| graph.edge(twin).cell);
     let is_seen = |&e: &EdgeId| beyond(e).is_some_and(|cell| pvs.sees(a, cell));
     let stop = way.portals.iter().position(|e| !is_seen(e))?;
-    let portals = &way.portals[..=stop];
-    // Corners that jut out are what people call an obstacle; flat walls come next, and corners of
-    // cells without a wall last.
-    let ends = [
-        &[Corner::Jutting][..],
-        &[Corner::Jutting, Corner::Flat],
-        &[Corner::Jutting, Corner::Flat, Corner::Open],
-    ];
-    let ends = ends
-        .into_iter()
-        .find_map(|kinds| first_clash(graph, portals, kinds))?;
+    // Walls say more than corners of cells at which none stands, even if it takes more of the way.
+    let walls = [Corner::Jutting, Corner::Flat];
+    let (seen, all) = (&way.portals[..=stop], &way.portals[..]);
+    let ends = first_clash(graph, seen, &walls[..1])
+        .or_else(|| first_clash(graph, seen, &walls))
+        .or_else(|| first_clash(graph, all, &walls))
+        .or_else(|| first_clash(graph, seen, &[walls[0], walls[1], Corner::Open]))?;
     Some(Hidden { way, stop, ends })
 }
 

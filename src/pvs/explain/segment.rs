@@ -72,9 +72,20 @@ impl Point {
         Self { x, y, w, at }
     }
 
+    /// x, y and w.
+    pub fn coordinates(&self) -> [&IBig; 3] {
+        [&self.x, &self.y, &self.w]
+    }
+
     /// The point in f64, in grid steps, as near as rounding allows.
     pub fn approx(&self) -> DVec2 {
         self.at
+    }
+
+    /// The point as a vertex, where it is small enough for one.
+    pub fn vertex(&self) -> Option<Vertex> {
+        let [x, y] = [&self.x, &self.y].map(|n| i128::try_from(n).ok());
+        Vertex::homogeneous(x?, y?, i64::try_from(&self.w).ok()?)
     }
 
     /// Whether the point's coordinates in the level's own unit are f64 numbers without rounding.

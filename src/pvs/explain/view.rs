@@ -14,8 +14,9 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use super::chain::{self, Best};
-use super::corner::{Corner, corners_of};
+use super::corner::{Corner, corner_at, corners_of};
 use super::segment::{Point, Segment, on_line};
+use super::space::Space;
 use super::strip::{self, Strip};
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
@@ -30,13 +31,18 @@ pub struct View {
     pub segment: Segment,
     /// The widest strip of parallel sightlines around it, and the ends that bound it.
     pub strip: Strip,
-    /// On the left and on the right: where no wall stands at the ends that bound the strip (they are
-    /// corners of the two cells), the nearest wall beside it.
+    /// On the left and on the right: where the ends that bound the strip are only corners of the two
+    /// cells, and no corner of walls, the nearest wall beside it.
     pub beside: [Option<Beside>; 2],
-    /// Whether the search came to its end; otherwise there may be a wider view.
+    /// Width in grid steps of the widest strip that one chain of portals lets through, whatever
+    /// stands at the portals' ends. The strip around the sightline is at least as wide.
+    pub slack: f64,
+    /// Whether no chain lets a wider strip through; otherwise the search ended before it knew.
     pub complete: bool,
     /// Steps of the search.
     pub steps: u64,
+    /// Whether they see each other in space, if that was asked.
+    pub space: Option<Space>,
 }
 
 /// The nearest wall beside a strip.
@@ -91,16 +97,18 @@ pub fn view(graph: &CellGraph, a: CellId, b: CellId, best: &Best) -> Option<View
     let cells = [a, b].map(|cell| Corners::of(graph, cell));
     let widened = widen(graph, &cells, &best.chain, &chained);
     let widened = widened.filter(|strip| strip.width >= chained.width);
-    let strips = widened.into_iter().chain([chained]);
-    strips.into_iter().find_map(|strip| {
-        let (segment, portals) = sightline(graph, &cells, &strip)?;
+    let strips = [widened.as_ref(), Some(&chained)];
+    strips.into_iter().flatten().find_map(|strip| {
+        let (segment, portals) = sightline(graph, &cells, strip)?;
         Some(View {
-            beside: beside(graph, &cells, &strip, &portals),
+            beside: beside(graph, &cells, strip, &portals),
             portals,
             segment,
-            strip,
+            strip: strip.clone(),
+            slack: chained.width,
             complete: best.complete,
             steps: best.steps,
+            space: None,
         })
     })
 }
@@ -290,7 +298,7 @@ fn sightline(
 }
 
 /// On either side of a strip, the nearest wall between the two cells or at the end of a portal on
-/// the way; none where a wall stands at an end that bounds the strip.
+/// the way; none where a corner of walls bounds the strip.
 fn beside(
     graph: &CellGraph,
     cells: &[Corners; 2],
@@ -315,7 +323,12 @@ fn beside(
         }
         let ends = [graph.edge(wall).origin, graph.end(wall)];
         for (bounded, side) in bounded.iter_mut().zip([&strip.left, &strip.right]) {
-            *bounded |= ends.iter().any(|v| side.contains(v));
+            let juts = |v: &VertexId| {
+                let starts = [wall, graph.next(wall)].into_iter();
+                let mut here = starts.filter(|&e| graph.edge(e).origin == *v);
+                here.any(|e| corner_at(graph, e) == Corner::Jutting)
+            };
+            *bounded |= side.iter().any(|v| ends.contains(v) && juts(v));
         }
         let at = ends.map(|v| graph.vertices.approx(v));
         let along = at.map(|p| strip.direction.dot(p - strip.middle));

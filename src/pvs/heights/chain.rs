@@ -31,6 +31,16 @@ pub(super) struct Gate {
     pub top: f64,
 }
 
+impl Gate {
+    /// As the plan sees it.
+    pub fn ends(&self) -> crate::sight::Gate {
+        crate::sight::Gate {
+            left: self.left.id,
+            right: self.right.id,
+        }
+    }
+}
+
 /// What is known of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
@@ -61,8 +71,18 @@ const MOST_TRIES: usize = 3;
 /// Clashes along one line that are looked at, the worst ones.
 const MOST_CLASHES: usize = 4;
 
-/// How near the most hopeful corner of a piece lines are tried, if not in its middle.
-const NEARNESS: [f64; 4] = [0.5, 0.25, 0.0625, 0.015_625];
+/// The part of an opening's height by which it is made smaller where clashes are looked for.
+const LITTLE: f64 = 1.0 / 1_048_576.0;
+
+/// Clashes kept; there are seldom more than a few.
+const MOST_FORMS: usize = 16;
+
+/// Where lines are looked for that known clashes allow, if not in the middle of a piece: how far on
+/// the way from one of its corners to another, …
+const ON_THE_WAY: [f64; 3] = [0.0, 0.125, 0.5];
+
+/// … and how far from there towards the middle, as the piece's own border is out of bounds.
+const INWARDS: [f64; 4] = [0.5, 0.25, 0.0625, 0.015_625];
 
 /// Answers for one chain after the other.
 pub(super) struct Inquiry<'a> {
@@ -71,6 +91,8 @@ pub(super) struct Inquiry<'a> {
     corners: Corners,
     slots: Vec<Slot>,
     forms: Vec<Form>,
+    /// What the forms are on the corners of the current piece.
+    values: Vec<Values>,
     pieces: Vec<Piece>,
     /// A piece was too small to be halved.
     stuck: bool,
@@ -84,6 +106,7 @@ impl<'a> Inquiry<'a> {
             corners: Corners::default(),
             slots: Vec::new(),
             forms: Vec::new(),
+            values: Vec::new(),
             pieces: Vec::new(),
             stuck: false,
         }
@@ -96,7 +119,7 @@ impl<'a> Inquiry<'a> {
         let (first, last) = (&chain[0], &chain[chain.len() - 1]);
         let middle = |gate: &Gate| (gate.left.at + gate.right.at) / 2.0;
         self.corners
-            .set(funnel, (middle(first) + middle(last)) / 2.0);
+            .set(self.vertices, funnel, (middle(first) + middle(last)) / 2.0);
         self.forms.clear();
         self.pieces.clear();
         self.stuck = false;
@@ -128,56 +151,70 @@ impl<'a> Inquiry<'a> {
 
     /// What can be said of a piece without splitting it.
     fn examine(&mut self, chain: &[Gate], piece: &Piece) -> Verdict {
-        if self.forms.iter().any(|form| form.stops(piece)) {
-            return Verdict::Blocked;
+        self.values.clear();
+        for form in &self.forms {
+            if stops(form.on(piece), &mut self.values) {
+                return Verdict::Blocked;
+            }
         }
-        for _ in 0..MOST_TRIES {
-            let Some(weights) = self.most_hopeful(piece) else {
-                break;
+        let middle = piece.middle();
+        for attempt in 0..MOST_TRIES {
+            let line = match attempt {
+                0 if self.hope(&middle) > 0.0 => Some(middle.clone()),
+                _ => self.most_hopeful(piece, &middle),
             };
+            let Some(weights) = line else { break };
             if let Some(sightline) = self.try_line(chain, &weights) {
                 return Verdict::Passes(sightline);
             }
             let known = self.forms.len();
             for clash in self.upright.clashes().take(MOST_CLASHES) {
-                if self.forms.iter().any(|form| form.clash == clash) {
+                let new = self.forms.iter().all(|form| form.clash != clash);
+                if !new || self.forms.len() == MOST_FORMS {
                     continue;
                 }
                 let form = Form::new(self.vertices, &self.corners, chain, clash);
-                let stops = form.stops(piece);
+                let values = form.on(piece);
                 self.forms.push(form);
-                if stops {
+                if stops(values, &mut self.values) {
                     return Verdict::Blocked;
                 }
             }
-            if self.forms.len() == known {
+            if attempt > 0 && self.forms.len() == known {
                 break;
             }
         }
         Verdict::Open
     }
 
-    /// The line to be tried in a piece: the one in its middle, or if a clash is known there, one as
-    /// near to it as no known clash forbids, on the way from the corner that is the farthest from
-    /// all clashes.
-    fn most_hopeful(&self, piece: &Piece) -> Option<Weights> {
-        let hope = |line: &Weights| {
-            let values = self.forms.iter().map(|form| form.near(line));
-            values.fold(f64::INFINITY, f64::min)
-        };
-        let middle = piece.middle();
-        if hope(&middle) > 0.0 {
-            return Some(middle);
+    /// How far a line is from all known clashes, about; above zero where none forbids it.
+    fn hope(&self, line: &Weights) -> f64 {
+        let values = self.forms.iter().map(|form| form.near(line));
+        values.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The line farthest from all known clashes among some on the ways between a piece's corners, moved
+    /// towards its middle as far as they allow.
+    fn most_hopeful(&self, piece: &Piece, middle: &Weights) -> Option<Weights> {
+        let corners = &piece.corners;
+        let mut best: Option<(f64, Weights)> = None;
+        for (i, j) in (0..corners.len()).flat_map(|i| (0..corners.len()).map(move |j| (i, j))) {
+            for share in ON_THE_WAY {
+                if (i == j) != (share == 0.0) {
+                    continue;
+                }
+                let line = mix(&corners[i], &corners[j], share);
+                let hope = self.hope(&line);
+                if hope >= 0.0 && best.as_ref().is_none_or(|(most, _)| hope > *most) {
+                    best = Some((hope, line));
+                }
+            }
         }
-        let corner = piece
-            .corners
-            .iter()
-            .max_by(|p, q| hope(p).total_cmp(&hope(q)))?;
-        NEARNESS.iter().find_map(|share| {
-            let mix = |(c, m): (&f64, &f64)| c * (1.0 - share) + m * share;
-            let line: Weights = corner.iter().zip(&middle).map(mix).collect();
-            (hope(&line) > 0.0).then_some(line)
-        })
+        let (_, line) = best?;
+        INWARDS
+            .map(|share| mix(&line, middle, share))
+            .into_iter()
+            .find(|line| self.hope(line) > 0.0)
     }
 
     /// Tries a line of the plan: a line in space above it that provably passes.
@@ -211,10 +248,21 @@ impl<'a> Inquiry<'a> {
             from: at(ends[0]),
             to: at(ends[1]),
         };
-        let mut gates = chain.iter();
-        gates
+        if chain
+            .iter()
             .all(|gate| sightline.clears(self.vertices, gate))
-            .then_some(sightline)
+        {
+            return Some(sightline);
+        }
+        // It is so tight that rounding hides whether it passes: openings that clash when they are a
+        // little smaller may do so as they are.
+        for slot in &mut self.slots {
+            let little = (slot.top - slot.bottom) * LITTLE;
+            slot.bottom += little;
+            slot.top -= little;
+        }
+        self.upright.pass(&self.slots);
+        None
     }
 
     /// Puts the parts of a piece on the stack.
@@ -242,14 +290,19 @@ impl<'a> Inquiry<'a> {
         let ends = [longest, (longest + 1) % 3];
         let [p, q] = ends.map(|i| &piece.corners[i]);
         let middle: Weights = p.iter().zip(q).map(|(p, q)| (p + q) / 2.0).collect();
-        for replaced in ends {
+        let mut halves = ends.map(|replaced| {
             let mut corners = piece.corners.clone();
             corners[replaced] = middle.clone();
-            self.pieces.push(Piece {
+            Piece {
                 corners,
                 depth: piece.depth + 1,
-            });
+            }
+        });
+        // The corner that the other half has alone decides which is looked at first.
+        if self.hope(p) < self.hope(q) {
+            halves.reverse();
         }
+        self.pieces.extend(halves);
     }
 }
 
@@ -270,12 +323,56 @@ impl Piece {
     }
 }
 
+/// A line on the way from one to another.
+fn mix(p: &Weights, q: &Weights, share: f64) -> Weights {
+    let mixed = p.iter().zip(q).map(|(p, q)| p * (1.0 - share) + q * share);
+    mixed.collect()
+}
+
+/// The polar form of every pair of a piece's corners.
+type Values = SmallVec<[Interval; 10]>;
+
+/// Whether a form, alone or in a sum with one of those known before, stops all lines of a piece: it is
+/// not above zero for any pair of corners. It joins the known ones.
+///
+/// A line passes only where every form is above zero, and then so is every sum of forms with weights
+/// above zero.
+fn stops(values: Values, known: &mut Vec<Values>) -> bool {
+    let alone = values.iter().all(|v| v.is_at_most_zero());
+    let stops = alone || known.iter().any(|other| stop_together(&values, other));
+    known.push(values);
+    stops
+}
+
+/// Whether one form and some multiple of another are nowhere above zero together.
+fn stop_together(one: &Values, other: &Values) -> bool {
+    let (mut least, mut most) = (0.0f64, f64::INFINITY);
+    for (p, q) in one.iter().zip(other) {
+        if q.hi > 0.0 {
+            most = most.min(-p.hi / q.hi);
+        } else if p.hi > 0.0 {
+            least = least.max(-p.hi / q.hi);
+        }
+    }
+    if least.partial_cmp(&most) != Some(std::cmp::Ordering::Less) {
+        return false;
+    }
+    let factor = Interval::point(match most {
+        f64::INFINITY => 2.0 * least,
+        most => (least + most) / 2.0,
+    });
+    let sums = one.iter().zip(other).map(|(p, q)| *p + *q * factor);
+    factor.lo.is_finite() && sums.into_iter().all(|sum| sum.is_at_most_zero())
+}
+
 impl Form {
-    /// Whether the clash stops all lines of a piece.
-    fn stops(&self, piece: &Piece) -> bool {
+    /// The polar form of every pair of a piece's corners.
+    fn on(&self, piece: &Piece) -> Values {
         let corners = &piece.corners;
-        let stopped = |i: usize, j: usize| self.between(&corners[i], &corners[j]).is_at_most_zero();
-        (0..corners.len()).all(|i| (i..corners.len()).all(|j| stopped(i, j)))
+        let pairs = (0..corners.len()).flat_map(|i| (i..corners.len()).map(move |j| (i, j)));
+        pairs
+            .map(|(i, j)| self.between(&corners[i], &corners[j]))
+            .collect()
     }
 
     /// The polar form of two lines.
@@ -283,8 +380,13 @@ impl Form {
         let mut sum = Interval::ZERO;
         for (i, &weight) in p.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             for (j, &other) in q.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-                let weight = Interval::point(weight) * Interval::point(other);
-                sum = sum + self.polar(i, j) * weight;
+                let value = self.polar(i, j);
+                sum = sum
+                    + if weight == 1.0 && other == 1.0 {
+                        value
+                    } else {
+                        value * (Interval::point(weight) * Interval::point(other))
+                    };
             }
         }
         sum
@@ -293,12 +395,11 @@ impl Form {
     /// The form of a line, about, as a share of its largest value.
     fn near(&self, line: &Weights) -> f64 {
         let mut sum = 0.0;
-        for (i, weight) in line.iter().enumerate() {
-            for (j, other) in line.iter().enumerate() {
-                let value = self.polar(i, j);
-                sum += weight * other * (value.lo + value.hi);
+        for (i, weight) in line.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            for (j, other) in line.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+                sum += weight * other * self.about(i, j);
             }
         }
-        sum / self.largest()
+        sum
     }
 }

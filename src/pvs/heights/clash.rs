@@ -24,6 +24,8 @@ pub(super) struct Form {
     pub clash: Clash,
     n: usize,
     values: SmallVec<[Interval; 36]>,
+    /// The largest value, of either sign.
+    largest: f64,
 }
 
 /// By how much the middle opening's decisive end lies on the passable side of those of the outer two.
@@ -82,7 +84,7 @@ impl Form {
                 }
             })
             .collect();
-        let mut values = SmallVec::from_elem(Interval::ZERO, n * n);
+        let mut values: SmallVec<[Interval; 36]> = SmallVec::from_elem(Interval::ZERO, n * n);
         for (r, p) in at.iter().enumerate() {
             for (c, q) in at[..=r].iter().enumerate() {
                 let after = p.after * q.first + q.after * p.first;
@@ -96,7 +98,14 @@ impl Form {
                 values[c * n + r] = value;
             }
         }
-        Self { clash, n, values }
+        let sizes = values.iter().map(|v| v.hi.abs().max(v.lo.abs()));
+        let largest = sizes.fold(f64::MIN_POSITIVE, f64::max);
+        Self {
+            clash,
+            n,
+            values,
+            largest,
+        }
     }
 
     /// The polar form of two corners.
@@ -104,10 +113,10 @@ impl Form {
         self.values[p * self.n + q]
     }
 
-    /// The largest value among the corners, of either sign.
-    pub fn largest(&self) -> f64 {
-        let values = self.values.iter().map(|v| v.hi.abs().max(v.lo.abs()));
-        values.fold(f64::MIN_POSITIVE, f64::max)
+    /// The polar form of two corners, about, as a share of its largest value.
+    pub fn about(&self, p: usize, q: usize) -> f64 {
+        let value = self.polar(p, q);
+        (value.lo + value.hi) / 2.0 / self.largest
     }
 
     /// Whether no line of the whole polygon passes.

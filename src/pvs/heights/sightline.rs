@@ -1,10 +1,10 @@
 //! A sightline in space, and the proof that it passes through an opening.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::chain::Gate;
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::geom::{Interval, Vertices};
+use crate::geom::{Interval, Span, Vertices};
 
 /// A straight line through two points in space: on the plan in grid steps, in height in the level's
 /// unit. Both are exact as they stand.
@@ -12,31 +12,6 @@ use crate::geom::{Interval, Vertices};
 pub(super) struct Sightline {
     pub from: DVec3,
     pub to: DVec3,
-}
-
-/// A vector on the plan, known nearly.
-#[derive(Clone, Copy)]
-struct Span {
-    x: Interval,
-    y: Interval,
-}
-
-impl Span {
-    /// From one point to another, each coordinate off by at most its error.
-    fn new((p, p_error): (DVec2, f64), (q, q_error): (DVec2, f64)) -> Self {
-        let known = |x, error| match error {
-            0.0 => Interval::point(x),
-            _ => Interval::around(x, error),
-        };
-        Self {
-            x: known(q.x, q_error) - known(p.x, p_error),
-            y: known(q.y, q_error) - known(p.y, p_error),
-        }
-    }
-
-    fn cross(self, other: Self) -> Interval {
-        self.x * other.y - self.y * other.x
-    }
 }
 
 impl Sightline {

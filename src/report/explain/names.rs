@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
-use crate::level::{Level, OpeningStyle, Place, WallId, WallKind};
+use crate::level::{Level, OpeningStyle, Place, SectorId, WallId, WallKind};
 use crate::pvs::explain::{self, Corner};
 use crate::report::json;
 
@@ -25,6 +25,8 @@ pub struct PortalRecord {
     pub cells: [u32; 2],
     /// Their rooms or sectors.
     pub rooms: [Option<String>; 2],
+    /// Lower and upper end of the opening in z, with all that moves out of the way.
+    pub opening: Option<[f64; 2]>,
     /// Its ends.
     pub segment: [[f64; 2]; 2],
     /// Where it is crossed, or else its middle.
@@ -68,6 +70,8 @@ pub struct WallRecord {
     pub from: [f64; 2],
     /// Its end.
     pub to: [f64; 2],
+    /// The room of whose outline it is a part.
+    pub room: Option<String>,
 }
 
 fn place<S: serde::Serializer>(place: &Place, serializer: S) -> Result<S::Ok, S::Error> {
@@ -94,9 +98,11 @@ impl Names<'_> {
 
     /// The name of a cell's room, or `sector 12`.
     pub fn room(&self, cell: CellId) -> Option<String> {
-        let id = self.graph.cell(cell).sector?;
-        let sector = self.level.sectors.get(id.0 as usize);
-        let name = sector.and_then(|s| s.name.clone());
+        self.sector(self.graph.cell(cell).sector?)
+    }
+
+    fn sector(&self, id: SectorId) -> Option<String> {
+        let name = self.level.sectors.get(id.0 as usize)?.name.clone();
         Some(name.unwrap_or_else(|| format!("sector {}", id.0)))
     }
 
@@ -108,10 +114,14 @@ impl Names<'_> {
     fn wall_record(&self, id: WallId) -> WallRecord {
         let wall = &self.level.walls[id.0 as usize];
         let [from, to] = [wall.from, wall.to].map(|p| self.graph.grid.to_level(p).to_array());
+        let outline = wall
+            .outline
+            .and_then(|o| self.level.outlines[o.0 as usize].sector);
         WallRecord {
             place: wall.place,
             from,
             to,
+            room: outline.and_then(|s| self.sector(s)),
         }
     }
 
@@ -155,9 +165,18 @@ impl Names<'_> {
             wall: wall.map(|w| self.wall_record(w)),
             cells: cells.map(|c| c.0),
             rooms: cells.map(|c| self.room(c)),
+            opening: self.opening(edge),
             segment: [p, q].map(|p| self.at(p)),
             point: self.at(crossed.unwrap_or_else(|| p.midpoint(q))),
         }
+    }
+
+    fn opening(&self, edge: EdgeId) -> Option<[f64; 2]> {
+        let first = edge.min(self.graph.edge(edge).twin()?);
+        let portals = &self.graph.portals;
+        let at = portals.binary_search_by_key(&first, |p| p.edges[0]).ok()?;
+        let (bottom, top) = portals[at].widest?;
+        Some([bottom, top])
     }
 
     /// Several ends.

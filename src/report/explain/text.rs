@@ -6,9 +6,9 @@
 use std::fmt::Write;
 
 use super::names::{EndRecord, OpeningRecord, PortalRecord, WallRecord};
-use super::{Account, OpenRecord, PlaceRecord, StraightRecord, ViewRecord, WayRecord};
+use super::{Account, OpenRecord, PlaceRecord, SpaceRecord, StraightRecord, ViewRecord, WayRecord};
 use crate::level::{Level, Place};
-use crate::report::wording::{coordinate, count, length, unit};
+use crate::report::wording::{coordinate, count_of, length, unit};
 
 /// How many portals and corners of a way are listed before some are left out.
 const LISTED: usize = 12;
@@ -33,33 +33,29 @@ pub fn of(level: &Level, account: &Account) -> String {
         "Not visible"
     };
     lines.head(&format!("{title}: from {from} to {to}."));
-    if let Some(view) = &account.view {
-        lines.say(
-            answer,
-            "some straight line from the one to the other is free",
-        );
-        words.view(&mut lines, view);
+    let space = account.view.as_ref().and_then(|v| v.space.as_ref());
+    let said = if space.is_some_and(|s| s.answer == "undecided") {
+        "on the plan some straight line is free; whether one clears all floors and ceilings is not known"
+    } else if !account.visible && space.is_some() {
+        "on the plan some straight line is free, but none clears all floors and ceilings"
+    } else if account.visible {
+        "some straight line from the one to the other is free"
     } else if account.connected {
-        lines.say(
-            answer,
-            "every straight line from the one to the other meets a wall",
-        );
+        "every straight line from the one to the other meets a wall"
+    } else if account.doors == "closed" {
+        "no way leads from the one to the other while doors are closed"
     } else {
-        let closed = if account.doors == "closed" {
-            " while doors are closed"
-        } else {
-            ""
-        };
-        lines.say(
-            answer,
-            &format!("no way leads from the one to the other{closed}"),
-        );
-    }
+        "no way leads from the one to the other"
+    };
+    lines.say(answer, said);
     if let Some(straight) = &account.straight {
         words.straight(&mut lines, straight, account);
     }
+    if let Some(view) = &account.view {
+        words.view(&mut lines, view);
+    }
     if let Some(way) = &account.way {
-        words.way(&mut lines, way, account);
+        words.way(&mut lines, way);
     }
     if let Some(open) = &account.doors_open {
         words.doors_open(&mut lines, open);
@@ -125,7 +121,10 @@ impl Words<'_> {
             "Sightline",
             &format!("{from} to {to}, {} long", self.length(view.length)),
         );
-        self.portals(lines, "through", &view.portals, &[]);
+        self.portals(lines, "through", &view.portals, None);
+        if let Some(space) = &view.space {
+            self.space(lines, space);
+        }
         let width = self.length(view.width);
         let widest = if view.widest {
             ""
@@ -142,7 +141,10 @@ impl Words<'_> {
         ] {
             let text = match beside {
                 None => {
-                    let ends: Vec<String> = ends.iter().map(|e| self.end(e)).collect();
+                    // Beside a corner of walls, a cell's own corner does not matter.
+                    let walls = ends.iter().any(|e| e.kind == "corner");
+                    let ends = ends.iter().filter(|e| !walls || e.kind == "corner");
+                    let ends: Vec<String> = ends.map(|e| self.end(e)).collect();
                     ends.join(", and ")
                 }
                 Some(beside) => format!(
@@ -152,6 +154,43 @@ impl Words<'_> {
                 ),
             };
             lines.say(about, &text);
+        }
+    }
+
+    fn space(&self, lines: &mut Lines, space: &SpaceRecord) {
+        if let Some(ends) = space.segment {
+            let [from, to] = ends.map(|[x, y, z]| {
+                let plan = self.point([x, y]);
+                format!("{} high at {plan}", self.length(z))
+            });
+            lines.say("In space", &format!("from {from} to {to}"));
+        }
+        if !space.blocked_by.is_empty() {
+            let items: Vec<String> = space.blocked_by.iter().map(|p| self.opening(p)).collect();
+            lines.list("Blocked by", &items);
+            lines.say(
+                "",
+                "no straight line clears all of these; all other ways fail as well",
+            );
+        } else if space.answer == "hidden" {
+            lines.say(
+                "Blocked by",
+                "different openings for different lines; all ways fail",
+            );
+        }
+    }
+
+    /// A portal with its opening in height.
+    fn opening(&self, portal: &PortalRecord) -> String {
+        match portal.opening {
+            Some([bottom, top]) if bottom < top => format!(
+                "{}, open from {} to {}",
+                self.portal(portal),
+                length(bottom),
+                self.length(top)
+            ),
+            Some(_) => format!("{}, which has no height", self.portal(portal)),
+            None => self.portal(portal),
         }
     }
 
@@ -178,7 +217,7 @@ impl Words<'_> {
         lines.say("Points", &about);
     }
 
-    fn way(&self, lines: &mut Lines, way: &WayRecord, account: &Account) {
+    fn way(&self, lines: &mut Lines, way: &WayRecord) {
         lines.say(
             "Shortest way",
             &format!(
@@ -187,26 +226,24 @@ impl Words<'_> {
                 self.gone_through(&way.portals)
             ),
         );
-        let stop = way.portals.get(way.stop);
-        let marked: Vec<usize> = vec![way.stop];
-        self.portals(lines, "through", &way.portals, &marked);
+        self.portals(lines, "through", &way.portals, Some(way.stop));
         if !way.bends.is_empty() {
             let bends: Vec<String> = shortened(&way.bends, |e| self.end(e));
             lines.list("around", &bends);
         }
-        if let Some(stop) = stop {
-            let seen = way
-                .cells
-                .get(way.stop)
-                .copied()
-                .unwrap_or(account.from.cell);
+        if let Some(stop) = way.portals.get(way.stop) {
             let room = stop.rooms[0].as_deref().map(quoted);
             let room = room.map(|r| format!(" in {r}")).unwrap_or_default();
+            let end = if stop.kind == "border" {
+                format!("its border at {}", self.point(stop.point))
+            } else {
+                self.portal(stop)
+            };
             lines.say(
                 "Sight",
                 &format!(
-                    "reaches cell {seen}{room} on this way; behind {} nothing is seen",
-                    self.portal(stop, false)
+                    "ends in cell {}{room}: nothing is seen beyond {end}",
+                    stop.cells[0]
                 ),
             );
         }
@@ -215,7 +252,7 @@ impl Words<'_> {
             lines.say(
                 "",
                 &format!(
-                    "the line that gets there from {from} ends at {}, {}",
+                    "the line that gets there, from {from}, is stopped at {} by {}",
                     self.point(farthest.point),
                     self.wall(&farthest.wall)
                 ),
@@ -241,10 +278,15 @@ impl Words<'_> {
     /// `2 doors and an archway`, roughly: what kinds of openings a way passes.
     fn gone_through(&self, portals: &[PortalRecord]) -> String {
         let mut parts = Vec::new();
-        for kind in ["door", "window", "archway", "sector edge"] {
+        for (kind, one, many) in [
+            ("door", "door", "doors"),
+            ("window", "window", "windows"),
+            ("archway", "archway", "archways"),
+            ("sector edge", "change of sector", "changes of sector"),
+        ] {
             let n = portals.iter().filter(|p| p.kind == kind).count();
             if n > 0 {
-                parts.push(count(n, kind));
+                parts.push(count_of(n, one, many));
             }
         }
         match parts.split_last() {
@@ -255,29 +297,29 @@ impl Words<'_> {
     }
 
     /// A line for every opening; borders that only the subdivision made are left out.
-    fn portals(&self, lines: &mut Lines, about: &str, portals: &[PortalRecord], stops: &[usize]) {
-        let kept: Vec<(usize, &PortalRecord)> = portals
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| p.kind != "border")
-            .collect();
-        let items = shortened(&kept, |(i, portal)| {
-            let mark = if stops.contains(i) {
+    fn portals(
+        &self,
+        lines: &mut Lines,
+        about: &str,
+        portals: &[PortalRecord],
+        stop: Option<usize>,
+    ) {
+        let numbered = portals.iter().enumerate();
+        let kept: Vec<(usize, &PortalRecord)> =
+            numbered.filter(|(_, p)| p.kind != "border").collect();
+        let items = shortened(&kept, |&(i, portal)| {
+            let mark = if stop == Some(i) {
                 " ← sight ends here"
             } else {
                 ""
             };
-            format!("{}{mark}", self.portal(portal, true))
+            format!("{}{mark}", self.portal(portal))
         });
         lines.list(about, &items);
     }
 
-    fn portal(&self, portal: &PortalRecord, at: bool) -> String {
-        let at = if at || portal.kind == "border" {
-            format!(" at {}", self.point(portal.point))
-        } else {
-            String::new()
-        };
+    fn portal(&self, portal: &PortalRecord) -> String {
+        let at = self.point(portal.point);
         let rooms = match &portal.rooms {
             [Some(a), Some(b)] if a != b => format!(" from {} to {}", quoted(a), quoted(b)),
             [Some(a), _] | [None, Some(a)] if portal.kind != "border" => {
@@ -287,19 +329,20 @@ impl Words<'_> {
         };
         let place = portal.wall.as_ref().map(|w| place(&w.place));
         let what = match (portal.kind, &portal.name, place) {
-            ("border", _, _) => return format!("the line{at} where only the plan was cut"),
+            ("border", _, _) => return format!("the border of two cells at {at}"),
             (kind, Some(name), _) => format!("the {kind} \"{name}\""),
-            ("sector edge", None, Some(place)) => place,
+            ("sector edge", None, Some(place)) if place.starts_with("linedef") => place,
+            ("sector edge", None, Some(place)) => format!("the edge ({place})"),
             (kind, None, Some(place)) => format!("the {kind} ({place})"),
             (kind, None, None) => format!("the {kind}"),
         };
-        format!("{what}{rooms}{at}")
+        format!("{what}{rooms} at {at}")
     }
 
     fn end(&self, end: &EndRecord) -> String {
         let at = self.point(end.point);
         if let Some(opening) = &end.opening {
-            return format!("the side of {} at {at}", self.opening(opening));
+            return format!("the side of {} at {at}", self.named(opening));
         }
         let places: Vec<String> = end.walls.iter().take(2).map(|w| place(&w.place)).collect();
         let places = if places.is_empty() {
@@ -311,11 +354,11 @@ impl Words<'_> {
             "corner" if end.walls.len() == 1 => format!("the wall's end at {at}{places}"),
             "corner" => format!("the corner at {at}{places}"),
             "wall" => format!("the wall at {at}{places}"),
-            _ => format!("the cell's own corner at {at}, where no wall stands"),
+            _ => format!("the corner of cells at {at}, where no wall stands"),
         }
     }
 
-    fn opening(&self, opening: &OpeningRecord) -> String {
+    fn named(&self, opening: &OpeningRecord) -> String {
         let kind = opening.kind;
         match (&opening.name, &opening.rooms[..]) {
             (Some(name), _) => format!("the {kind} \"{name}\""),
@@ -327,11 +370,15 @@ impl Words<'_> {
 
     fn wall(&self, wall: &WallRecord) -> String {
         let [from, to] = [wall.from, wall.to].map(|p| self.point(p));
-        format!("the wall from {from} to {to} ({})", place(&wall.place))
+        let of = match &wall.room {
+            Some(room) => format!(" of {}", quoted(room)),
+            None => String::new(),
+        };
+        format!("the wall{of} from {from} to {to} ({})", place(&wall.place))
     }
 
     fn doors_open(&self, lines: &mut Lines, open: &OpenRecord) {
-        let doors: Vec<String> = open.doors.iter().map(|d| self.portal(d, true)).collect();
+        let doors: Vec<String> = open.doors.iter().map(|d| self.portal(d)).collect();
         if open.visible {
             lines.say(
                 "Doors",

@@ -16,7 +16,7 @@ use super::{names, palette, text};
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
 use crate::level::Level;
-use crate::pvs::explain::{Explanation, Hidden, Straight, View, last_cell, middle};
+use crate::pvs::explain::{Explanation, Hidden, Space, Straight, View, last_cell, middle};
 use crate::report::explain::{Explained, prolonged};
 use crate::report::picture::FONT;
 use crate::report::wording::in_sector;
@@ -48,7 +48,7 @@ pub fn draw_explained(
         .add(draw.under())
         .add(layers.openings())
         .add(layers.walls())
-        .add(names::of_rooms(level, graph, &sheet, &[]))
+        .add(names::beside(level, graph, &sheet, &[], &draw.lines()))
         .add(draw.over());
     Document::new()
         .set("viewBox", (0, 0, sheet.width, height))
@@ -64,6 +64,7 @@ pub fn draw_explained(
                 .set("fill", "white"),
         )
         .add(plan)
+        .add(draw.frame())
         .add(draw.badges())
         .add(draw.title(level))
         .add(legend::scale_bar(level, &sheet))
@@ -72,15 +73,23 @@ pub fn draw_explained(
 
 /// Nothing is drawn outside of the part of the plan that is shown.
 fn part(sheet: &Sheet) -> Definitions {
+    let part = ClipPath::new().set("id", "part").add(framed(sheet));
+    Definitions::new().add(part)
+}
+
+/// The plan's frame, a little outside of its outermost walls.
+fn framed(sheet: &Sheet) -> Rectangle {
     const MARGIN: f64 = 6.0;
     let [corner, size] = sheet.frame();
-    let frame = Rectangle::new()
+    Rectangle::new()
         .set("x", short(corner.x - MARGIN))
         .set("y", short(corner.y - MARGIN))
         .set("width", short(size.x + 2.0 * MARGIN))
-        .set("height", short(size.y + 2.0 * MARGIN));
-    Definitions::new().add(ClipPath::new().set("id", "part").add(frame))
+        .set("height", short(size.y + 2.0 * MARGIN))
 }
+
+/// Radius of the badges of A and B.
+const RADIUS: f64 = 9.5;
 
 /// What is to be seen, in grid steps.
 struct Scene {
@@ -89,6 +98,8 @@ struct Scene {
     /// How many of them the first cell sees.
     seen: usize,
     portals: Vec<EdgeId>,
+    /// Openings too low or too high for sight in space.
+    blocking: Vec<EdgeId>,
     /// Where the two places are.
     ends: [DVec2; 2],
     /// Corners of the bundle of sightlines.
@@ -111,6 +122,7 @@ impl Scene {
             cells: vec![a, b],
             seen: 2,
             portals: Vec::new(),
+            blocking: Vec::new(),
             ends: [a, b].map(|cell| middle(graph, cell)),
             bundle: None,
             bounds: [Vec::new(), Vec::new()],
@@ -140,6 +152,9 @@ impl Scene {
 
     fn add_view(&mut self, graph: &CellGraph, [a, b]: [CellId; 2], view: &View) {
         self.portals = view.portals.clone();
+        if let Some(Space::Blocked(openings)) = &view.space {
+            self.blocking = openings.clone();
+        }
         self.cells = along(graph, a, &view.portals);
         self.seen = self.cells.len();
         self.ends = [&view.segment.from, &view.segment.to].map(|p| p.approx());
@@ -247,8 +262,8 @@ impl Draw<'_> {
         let [a, b] = self.explained.asked.map(|place| place.cell);
         let [first, last] = palette::ENDS;
         ground
-            .add(layers.cell(b, last).set("fill-opacity", 0.55))
-            .add(layers.cell(a, first).set("fill-opacity", 0.75))
+            .add(layers.cell(b, last).set("fill-opacity", 0.35))
+            .add(layers.cell(a, first).set("fill-opacity", 0.4))
     }
 
     /// What lies below walls and openings: portals on the way, the bundle of sightlines.
@@ -262,6 +277,10 @@ impl Draw<'_> {
             data.polygon(&self.on_page(bundle));
             let band = Path::new().set("d", data.0).set("fill", palette::SIGHT);
             group = group.add(band.set("fill-opacity", 0.22));
+        }
+        for ends in self.scene.blocking.iter().map(ends_of) {
+            let line = self.line(&ends, palette::BOUND[0], self.thick.max(1.8) * 3.0);
+            group = group.add(line.set("stroke-opacity", 0.6));
         }
         for ends in self.scene.portals.iter().map(ends_of) {
             let line = self.line(&ends, palette::PASSED, self.thick.max(1.4));
@@ -315,7 +334,10 @@ impl Draw<'_> {
     fn add_straight(&self, group: Group, straight: &Straight) -> Group {
         let [from, to] = self.scene.ends;
         match *straight {
-            Straight::Free => group,
+            Straight::Free => {
+                let line = self.line(&[from, to], palette::WALL, 1.1);
+                group.add(line.set("stroke-dasharray", "6 4"))
+            }
             Straight::Touches { at, .. } | Straight::Blocked { at, .. } => {
                 let line = self.line(&[from, at], palette::WALL, 1.1);
                 let rest = self.line(&[at, to], palette::WALL, 0.8);
@@ -361,21 +383,70 @@ impl Draw<'_> {
         group.add(cross.set("stroke", colour).set("stroke-width", 2.2))
     }
 
+    /// The border of a part of the plan.
+    fn frame(&self) -> Group {
+        let group = Group::new().set("id", "frame");
+        if !self.sheet.is_part(self.graph) {
+            return group;
+        }
+        let frame = framed(self.sheet).set("fill", "none");
+        group.add(frame.set("stroke", "#b9bec6").set("stroke-width", 1.0))
+    }
+
+    /// Lines on which no name should stand.
+    fn lines(&self) -> Vec<[DVec2; 2]> {
+        let scene = self.scene;
+        let mut broken: Vec<Vec<DVec2>> = vec![scene.way.clone()];
+        broken.extend(scene.farthest.iter().map(|line| line.to_vec()));
+        if let Explanation::Visible(view) = &self.explained.explanation {
+            broken.push(
+                [&view.segment.from, &view.segment.to]
+                    .map(|p| p.approx())
+                    .into(),
+            );
+        }
+        if let Some(bundle) = scene.bundle {
+            broken.push(bundle.into());
+        }
+        if self.explained.straight.is_some() {
+            broken.push(scene.ends.into());
+        }
+        let mut lines: Vec<[DVec2; 2]> = Vec::new();
+        for line in broken {
+            lines.extend(
+                self.on_page(&line)
+                    .windows(2)
+                    .map(|pair| [pair[0], pair[1]]),
+            );
+        }
+        for [place, badge] in self.badge_places() {
+            // A cross as large as the badge.
+            for arm in [DVec2::new(RADIUS, 0.0), DVec2::new(0.0, RADIUS)] {
+                lines.push([badge - arm, badge + arm]);
+            }
+            lines.push([place, badge]);
+        }
+        lines
+    }
+
+    /// Where the two places are on the page, and where their badges.
+    fn badge_places(&self) -> [[DVec2; 2]; 2] {
+        let [a, b] = self.scene.ends.map(|p| self.sheet.at(p));
+        let apart = (a - b).try_normalize().unwrap_or(DVec2::X) * 20.0;
+        [[a, a + apart], [b, b - apart]]
+    }
+
     /// A and B, beside the two places.
     fn badges(&self) -> Group {
-        const RADIUS: f64 = 9.5;
         let mut group = Group::new()
             .set("id", "badges")
             .set("text-anchor", "middle");
-        let places = self.scene.ends.map(|p| self.sheet.at(p));
-        let apart = (places[0] - places[1]).try_normalize().unwrap_or(DVec2::X);
-        let from = [apart, -apart];
-        for i in [0, 1] {
-            let (place, colour) = (places[i], palette::ENDS[i]);
-            let badge = place + from[i] * 20.0;
+        for (i, [place, badge]) in self.badge_places().into_iter().enumerate() {
+            let colour = palette::ENDS[i];
             let mut data = PathData::default();
             data.segment(place, badge);
             let leader = Path::new().set("d", data.0).set("stroke", colour);
+            let spot = self.dot(self.scene.ends[i], 3.4, colour);
             let circle = Circle::new()
                 .set("cx", short(badge.x))
                 .set("cy", short(badge.y))
@@ -386,6 +457,7 @@ impl Draw<'_> {
             let letter = text(["A", "B"][i], badge.x, badge.y + 4.6, 13.0);
             group = group
                 .add(leader.set("stroke-width", 1.4))
+                .add(spot)
                 .add(circle)
                 .add(letter.set("fill", "white"));
         }
@@ -399,7 +471,20 @@ impl Draw<'_> {
             .map(|p| format!("cell {}{}", p.cell.0, in_sector(level, self.graph, p.cell)));
         let answer = match &self.explained.explanation {
             Explanation::Same => format!("A and B lie in one cell: {a}"),
-            Explanation::Visible(_) => format!("A, {a}, sees B, {b}"),
+            Explanation::Visible(view) => match view.space {
+                None => format!("A, {a}, sees B, {b}"),
+                Some(Space::Seen(_)) => {
+                    format!("A, {a}, sees B, {b}, above floors and below ceilings")
+                }
+                Some(Space::Blocked(_)) => {
+                    format!("Floors and ceilings hide A, {a}, from B, {b}; on the plan it is seen")
+                }
+                Some(Space::Undecided) => {
+                    format!(
+                        "On the plan A, {a}, sees B, {b}; whether it does in space is not known"
+                    )
+                }
+            },
             Explanation::Hidden(_) => format!("A, {a}, does not see B, {b}"),
             Explanation::Apart => format!("No way leads from A, {a}, to B, {b}"),
         };
@@ -409,7 +494,7 @@ impl Draw<'_> {
         Group::new()
             .set("id", "title")
             .add(text(&level.name, self.sheet.side, 44.0, 25.0))
-            .add(text(&about, self.sheet.side, 66.0, 13.0).set("fill", "#5c636e"))
+            .add(text(&about, self.sheet.side, 66.0, 14.0))
     }
 
     fn legend(&self) -> Vec<Item> {
@@ -434,16 +519,19 @@ impl Draw<'_> {
                 ("nearest on its right", Swatch::Dot(right)),
             ]),
             Explanation::Hidden(_) => items.extend([
-                ("on the way, seen from A", Swatch::Area(seen)),
-                ("on the way, not seen", Swatch::Area(unseen)),
+                ("cells on the way: seen from A", Swatch::Area(seen)),
+                ("not seen", Swatch::Area(unseen)),
                 ("shortest way", stroke(palette::WAY, 1.6, "7 4")),
                 ("sight ends at this portal", stroke(left, 3.0, "")),
                 ("farthest sight on the way", stroke(palette::SIGHT, 1.6, "")),
-                ("no line leaves this on its left …", Swatch::Dot(left)),
-                ("… and this on its right", Swatch::Dot(right)),
+                ("no line leaves these on its left …", Swatch::Dot(left)),
+                ("… and these on its right", Swatch::Dot(right)),
             ]),
         }
-        if self.explained.straight.is_some_and(|s| s != Straight::Free) {
+        if !self.scene.blocking.is_empty() {
+            items.push(("openings that block it", stroke(left, 4.0, "")));
+        }
+        if self.explained.straight.is_some() {
             items.push(("straight from A to B", stroke(palette::WALL, 1.1, "6 4")));
         }
         items

@@ -90,6 +90,12 @@ impl Sheet {
         }
     }
 
+    /// Whether only a part of the plan is shown.
+    pub fn is_part(&self, graph: &CellGraph) -> bool {
+        let whole = Sheet::of(graph);
+        (whole.scale, whole.corner) != (self.scale, self.corner)
+    }
+
     /// The plan's upper left corner and its size, on the page.
     pub fn frame(&self) -> [DVec2; 2] {
         [self.origin, self.plan]

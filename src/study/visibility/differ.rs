@@ -1,15 +1,19 @@
 //! The pairs of cells about which a method errs: which to list, and what the walls themselves say.
 
+use dashu_int::IBig;
 use glam::DVec2;
 
 use super::accuracy::{Error, wrong};
 use super::record::WrongPair;
 use crate::cells::{CellGraph, CellId};
 use crate::pvs::Pvs;
-use crate::pvs::verify::{Caster, Place};
+use crate::pvs::explain::{ExplainOptions, Explanation, explain};
+use crate::pvs::verify::Caster;
 
 /// Pairs of each kind that are listed for a method.
 pub(super) const LISTED: usize = 16;
+/// Steps in which the widest view between two cells is sought; a narrower one will do.
+const STEPS: u64 = 20_000;
 /// Pairs that are looked at to find the most telling ones.
 const LOOKED_AT: usize = 20_000;
 
@@ -37,42 +41,52 @@ pub(super) fn telling(
         .collect()
 }
 
-/// A pair with its places, and whether the walls confirm the exact answer.
+/// A pair with its places, why the exact answer is what it is, and whether the walls confirm it.
 pub(super) fn look_up(
     graph: &CellGraph,
+    truth: &Pvs,
     caster: &Caster,
     error: Error,
     cells: [CellId; 2],
 ) -> WrongPair {
-    let place = |cell| {
-        let p = middle_and_size(graph, cell).0;
-        graph.grid.offset_to_level(p.x, p.y).to_array()
-    };
-    let witness = match error {
-        Error::Missed => witness(graph, cells),
-        Error::Invented => None,
-    };
-    let confirmed = match &witness {
-        Some([from, to]) => caster.is_free(cells, &from.0, &to.0),
-        None => caster.joined(cells) == Some(error == Error::Missed),
-    };
-    WrongPair {
+    let level = |p: DVec2| graph.grid.offset_to_level(p.x, p.y).to_array();
+    let mut pair = WrongPair {
         error,
         cells: cells.map(|c| c.0),
-        places: cells.map(place),
+        places: cells.map(|cell| level(middle_and_size(graph, cell).0)),
         sectors: cells.map(|c| graph.cell(c).sector.map(|s| s.0)),
-        witness: witness
-            .map(|ends| ends.map(|(_, p)| graph.grid.offset_to_level(p.x, p.y).to_array())),
-        confirmed,
+        witness: None,
+        width: None,
+        way: Vec::new(),
+        ends: Vec::new(),
+        confirmed: false,
+    };
+    let options = ExplainOptions {
+        heights: None,
+        max_steps: STEPS,
+        points: None,
+    };
+    let mut free = None;
+    match explain(graph, truth, cells[0], cells[1], &options) {
+        Some(Explanation::Visible(view)) => {
+            let ends = [&view.segment.from, &view.segment.to];
+            let [from, to] = ends.map(|p| p.coordinates().map(IBig::clone));
+            free = Some(caster.is_free(cells, &from, &to));
+            pair.witness = Some(ends.map(|p| level(p.approx())));
+            pair.width = Some(view.strip.width * graph.grid.step.length());
+        }
+        Some(Explanation::Hidden(hidden)) => {
+            let ends = hidden.ends.left.iter().chain(&hidden.ends.right);
+            pair.way = hidden.way.points.into_iter().map(level).collect();
+            pair.ends = ends.map(|v| level(graph.vertices.approx(*v))).collect();
+        }
+        Some(Explanation::Same | Explanation::Apart) | None => {}
     }
-}
-
-fn witness(graph: &CellGraph, cells: [CellId; 2]) -> Option<[(Place, DVec2); 2]> {
-    Some(cells.map(|c| {
-        let p = middle_and_size(graph, c).0;
-        let part = |x: f64| ((x * (1 << 20) as f64).round() as i128).into();
-        ([part(p.x), part(p.y), (1 << 20).into()], p)
-    }))
+    pair.confirmed = match error {
+        Error::Missed => free == Some(true),
+        Error::Invented => caster.joined(cells) == Some(false),
+    };
+    pair
 }
 
 /// The mean of a cell's corners, and half the square root of its area, in grid steps.

@@ -220,10 +220,17 @@ pub struct WrongPair {
     pub places: [[f64; 2]; 2],
     /// Each one's sector.
     pub sectors: [Option<u32>; 2],
-    /// For a missed pair: the ends of a free segment between the two.
+    /// For a missed pair: a free segment between the two, checked exactly before it was rounded.
     pub witness: Option<[[f64; 2]; 2]>,
-    /// Whether the level's own walls, looked up without any of the methods, say the same as the
-    /// exact answer.
+    /// For a missed pair: how wide the view is, in the level's unit.
+    pub width: Option<f64>,
+    /// For an invented pair: the shortest way on foot from the one to the other.
+    pub way: Vec<[f64; 2]>,
+    /// For an invented pair: the corners, at most four, between which no straight line passes along
+    /// this way.
+    pub ends: Vec<[f64; 2]>,
+    /// Whether the level's own walls, asked without any of the methods, say the same as the exact
+    /// answer: that the segment is free, or that none is.
     pub confirmed: bool,
 }
 

@@ -145,44 +145,60 @@ pub(super) fn view(graph: &CellGraph, pvs: &Pvs, source: CellId, about: &str) ->
     }
 }
 
-/// Two cells and what lies around and between them, with a free segment between the two if there is
-/// one. Places are in grid steps.
-pub(super) fn pair(
-    graph: &CellGraph,
-    cells: [CellId; 2],
-    sight: Option<[DVec2; 2]>,
-    about: &str,
-) -> Markup {
-    let corners = cells.into_iter().flat_map(|c| graph.polygon(c));
+/// Two cells and what lies between them; places are in grid steps.
+pub(super) struct Pair {
+    pub cells: [CellId; 2],
+    /// A free segment between the two.
+    pub sight: Option<[DVec2; 2]>,
+    /// The shortest way, where there is none.
+    pub way: Vec<DVec2>,
+    /// The corners that block it.
+    pub ends: Vec<DVec2>,
+}
+
+/// Draws the part of the plan around two cells.
+pub(super) fn pair(graph: &CellGraph, pair: &Pair, about: &str) -> Markup {
+    let corners = pair.cells.into_iter().flat_map(|c| graph.polygon(c));
     let points = corners.map(|v| graph.vertices.approx(v));
-    let (low, high) = extent(points.chain(sight.into_iter().flatten()));
-    // A square at least half as wide as it is high, and the other way round.
+    let further = pair
+        .sight
+        .iter()
+        .flatten()
+        .chain(&pair.way)
+        .chain(&pair.ends);
+    let (low, high) = extent(points.chain(further.copied()));
+    // Not narrower than three fifths of the longer side.
     let side = (high - low).max_element();
-    let margin = (DVec2::splat(side * 0.6) - (high - low)).max(DVec2::ZERO) / 2.0 + side * 0.12;
+    let margin = (DVec2::splat(side * 0.6) - (high - low)).max(DVec2::ZERO) / 2.0 + side * 0.1;
     let sheet = Sheet::new(graph, low - margin, high + margin);
     let one = |cell| sheet.cells(std::iter::once(cell));
-    let line = sight.map(|ends| {
+    let chain = |points: &[DVec2]| {
         let mut data = String::new();
-        sheet.chain(&mut data, &ends);
+        sheet.chain(&mut data, points);
         data
-    });
-    let size = WIDTH / 60.0;
+    };
+    let ring = WIDTH / 50.0;
+    let cells = || pair.cells.into_iter().zip(["source", "second"]);
     html! {
         svg.plan viewBox=(sheet.view_box()) role="img" aria-label=(about) {
             path.floor d=(sheet.cells(graph.cell_ids())) {}
             path.border d=(sheet.edges(false)) {}
-            @for (cell, class) in cells.into_iter().zip(["source", "second"]) {
+            @for (cell, class) in cells() {
                 path class=(class) d=(one(cell)) {}
                 path class=(format!("edge {class}")) d=(one(cell)) {}
             }
             path.wall d=(sheet.edges(true)) {}
-            @if let Some(line) = line { path.sight d=(line) {} }
+            @if !pair.way.is_empty() { path.way d=(chain(&pair.way)) {} }
+            @if let Some(ends) = &pair.sight { path.sight d=(chain(ends)) {} }
+            @for end in pair.ends.iter().map(|p| sheet.at(*p)) {
+                circle.stop cx=(end.x) cy=(end.y) r=(ring * 0.4) {}
+            }
             // A ring around a cell that is too small to be seen.
-            @for (cell, class) in cells.into_iter().zip(["source", "second"]) {
+            @for (cell, class) in cells() {
                 @let (middle, half) = middle_and_size(graph, cell);
-                @if half * sheet.scale < size {
+                @if half * sheet.scale < ring * 0.7 {
                     @let p = sheet.at(middle);
-                    circle class=(format!("edge {class}")) cx=(p.x) cy=(p.y) r=(size) {}
+                    circle class=(format!("edge {class}")) cx=(p.x) cy=(p.y) r=(ring) {}
                 }
             }
         }
