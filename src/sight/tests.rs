@@ -99,7 +99,10 @@ fn grows_and_shrinks(vertices: &Vertices, gates: &[Gate]) {
         widths.push(found.width);
     }
     let n = chain.gates().len();
-    assert_eq!(n == gates.len(), is_stabbed(vertices, gates, &mut Funnel::default()));
+    assert_eq!(
+        n == gates.len(),
+        is_stabbed(vertices, gates, &mut Funnel::default())
+    );
     while chain.pop().is_some() {
         widths.pop();
         let width = chain.slack().map_or(f64::INFINITY, |found| found.width);
@@ -474,7 +477,11 @@ fn random_chains_agree_with_brute_force() {
             let open = checked(&vertices, &chain);
             let reference = Reference::new(&vertices, &chain);
             assert_eq!(open, !reference.contradicts(), "{vertices:?} {chain:?}");
-            assert_eq!(open, is_stabbed(&vertices, &chain, &mut Funnel::default()), "{chain:?}");
+            assert_eq!(
+                open,
+                is_stabbed(&vertices, &chain, &mut Funnel::default()),
+                "{chain:?}"
+            );
             grows_and_shrinks(&vertices, &chain);
             [&mut blocked, &mut stabbed][usize::from(open)][kind] += 1;
             // Any gates at all, such as those of no cells, with every point there twice.
