@@ -17,6 +17,7 @@ use std::time::Instant;
 use enfilade::cells::{CellGraph, CellId, Options, subdivide};
 use enfilade::geom::{GridPoint, Vertex, VertexId, Vertices};
 use enfilade::level::{doom, snap, wad::Wad};
+use enfilade::sight::funnel::Funnel;
 use enfilade::sight::{Chain, Gate, Stabbing, exact, lp};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -221,24 +222,25 @@ struct Row {
 }
 
 fn measure(vertices: &Vertices, chains: &[Vec<Gate>], open: bool) -> Row {
+    let mut room = Funnel::default();
     for chain in chains {
         // On two gates in one cell, "beside" is no hindrance.
-        let stabbed = exact::is_stabbed(vertices, chain);
+        let stabbed = exact::is_stabbed(vertices, chain, &mut room);
         assert!(stabbed == open || chain.len() == 2);
         let line = matches!(exact::stab(vertices, chain), Stabbing::Line(_));
         assert_eq!(line, stabbed);
     }
-    let per_chain = |f: &dyn Fn(&[Gate])| {
+    let per_chain = |f: &mut dyn FnMut(&[Gate])| {
         let times = chains.iter().map(|chain| median(|| f(chain)));
         middle(times.collect())
     };
     let test = [
-        per_chain(&|c| _ = black_box(lp::margin(vertices, c))),
-        per_chain(&|c| _ = black_box(exact::is_stabbed(vertices, c))),
+        per_chain(&mut |c| _ = black_box(lp::margin(vertices, c))),
+        per_chain(&mut |c| _ = black_box(exact::is_stabbed(vertices, c, &mut room))),
     ];
     let answer = [
-        per_chain(&|c| drop(black_box(lp::stab(vertices, c)))),
-        per_chain(&|c| drop(black_box(exact::stab(vertices, c)))),
+        per_chain(&mut |c| drop(black_box(lp::stab(vertices, c)))),
+        per_chain(&mut |c| drop(black_box(exact::stab(vertices, c)))),
     ];
     let steps = chains.iter().map(|chain| {
         let (last, before) = chain.split_last().expect("no chain is empty");

@@ -452,3 +452,32 @@ impl VertexSet {
         self.list.is_empty()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_and_facing_where_copies_do_not_tell() {
+        // Off the grid, and in f64 all three in the same place.
+        let at = |x: i128, y: i128| Vertex::homogeneous(x, y, (1 << 50) - 1).unwrap();
+        let far = 1 << 73;
+        let vertices = Vertices::new(vec![
+            at(0, 0),
+            at(far, far),
+            at(far + 1, far),
+            at(far, far + 1),
+            at(far + 1, far + 1),
+        ]);
+        let [o, p, right, up, q] = [0, 1, 2, 3, 4].map(|i| vertices.placed(VertexId(i)));
+        assert_eq!(p.at, q.at);
+        assert_eq!(vertices.turn([&o, &p], [&p, &right]), Side::Right);
+        assert_eq!(vertices.turn([&o, &p], [&p, &up]), Side::Left);
+        assert_eq!(vertices.turn([&o, &p], [&p, &q]), Side::On);
+        assert_eq!(vertices.facing([&p, &right], [&p, &up]), Ordering::Equal);
+        assert_eq!(vertices.facing([&p, &q], [&p, &up]), Ordering::Greater);
+        assert_eq!(vertices.facing([&p, &q], [&up, &p]), Ordering::Less);
+        assert_eq!(vertices.facing([&o, &p], [&up, &right]), Ordering::Equal);
+        assert_eq!(vertices.facing([&o, &q], [&p, &p]), Ordering::Equal);
+    }
+}

@@ -46,16 +46,20 @@ pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
     })
 }
 
-/// Whether some line stabs the chain, each gate of which must be in the convex cell beyond the one
-/// before; exact.
-pub fn is_stabbed(vertices: &Vertices, chain: &[Gate]) -> bool {
-    misfit(vertices, chain, &mut Funnel::with_room(chain.len())).is_none()
+/// Whether some line stabs the chain; exact. Each gate must be in the convex cell beyond the one
+/// before, and the vertices must hold each point once. The funnel, whatever it held, lends its room:
+/// who asks often keeps one.
+pub fn is_stabbed(vertices: &Vertices, chain: &[Gate], room: &mut Funnel) -> bool {
+    misfit(vertices, chain, room).is_none()
 }
 
-/// The widest strip that the chain lets through; `None` if no line stabs it. At least one gate.
+/// The widest strip that the chain lets through; `None` if no line stabs it, and for the empty chain.
 pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
+    if chain.is_empty() {
+        return None;
+    }
     let mut funnel = Funnel::with_room(chain.len());
-    if misfit(vertices, chain, &mut funnel).is_none() && !chain.is_empty() {
+    if misfit(vertices, chain, &mut funnel).is_none() {
         let strip = widest(vertices, &funnel);
         if strip.is_widest(vertices, chain) {
             return Some(strip.slack(vertices));
@@ -68,6 +72,7 @@ pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
 }
 
 /// A stabbed chain of gates, each in the convex cell beyond the one before, that grows and shrinks.
+/// Its vertices must hold each point once, as those of a [`CellGraph`](crate::cells::CellGraph) do.
 #[derive(Clone, Debug)]
 pub struct Chain<'a> {
     vertices: &'a Vertices,
@@ -117,8 +122,8 @@ impl<'a> Chain<'a> {
         &self.gates
     }
 
-    /// The widest strip that the chain lets through; no wider for a longer chain. `None` for the
-    /// empty chain.
+    /// The widest strip that the chain lets through; no wider for a longer chain, up to rounding.
+    /// `None` for the empty chain.
     pub fn slack(&self) -> Option<Slack> {
         let some = !self.gates.is_empty();
         some.then(|| widest(self.vertices, &self.funnel).slack(self.vertices))

@@ -1,10 +1,14 @@
 //! Chains worked by hand, and many random ones against brute force in big integers.
 
+use std::collections::HashSet;
+
 use dashu_int::IBig;
+use glam::DVec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::exact::{is_stabbed, slack};
+use super::funnel::Funnel;
 use super::*;
 use crate::geom::{GridPoint, Line, Side, Vertex, VertexId, Vertices, orient};
 
@@ -35,6 +39,12 @@ fn checked(vertices: &Vertices, chain: &[Gate]) -> bool {
             assert!(line.stabs(vertices, chain), "{line:?} of {chain:?}");
             let slack = slack(vertices, chain).expect("stabbed");
             assert_eq!(slack.width, line.slack);
+            let nearest = nearest(vertices, chain);
+            let error = (slack.width - nearest).abs();
+            assert!(
+                error <= 1e-12 * nearest || !vertices.is_grid(),
+                "{slack:?}, not {nearest}"
+            );
             assert!(slack.width > 0.0 && slack.left.len() + slack.right.len() <= 3);
             true
         }
@@ -45,6 +55,60 @@ fn checked(vertices: &Vertices, chain: &[Gate]) -> bool {
             false
         }
     }
+}
+
+/// The distance of the hulls: that of an end from the way between two of the other side.
+fn nearest(vertices: &Vertices, chain: &[Gate]) -> f64 {
+    let ends = |side: fn(&Gate) -> VertexId| -> Vec<DVec2> {
+        chain.iter().map(|g| vertices.approx(side(g))).collect()
+    };
+    let (left, right) = (ends(|g| g.left), ends(|g| g.right));
+    let mut least = f64::INFINITY;
+    for (ends, others) in [(&left, &right), (&right, &left)] {
+        for p in ends {
+            for a in others {
+                least = least.min(p.distance(*a));
+                for b in others {
+                    let way = *b - *a;
+                    let along = (*p - *a).dot(way);
+                    if along > 0.0 && along < way.length_squared() {
+                        least = least.min(way.perp_dot(*p - *a).abs() / way.length());
+                    }
+                }
+            }
+        }
+    }
+    least
+}
+
+/// A chain that grows gate by gate, and shrinks again, has the slack of its gates at each length.
+fn grows_and_shrinks(vertices: &Vertices, gates: &[Gate]) {
+    let mut chain = Chain::new(vertices);
+    let mut widths = vec![f64::INFINITY];
+    for gate in gates {
+        if !chain.push(*gate) {
+            break;
+        }
+        let found = chain.slack().expect("not empty");
+        assert_eq!(Some(&found), slack(vertices, chain.gates()).as_ref());
+        let before = widths[widths.len() - 1];
+        assert!(
+            found.width <= before * (1.0 + 1e-14),
+            "{found:?} after {before}"
+        );
+        widths.push(found.width);
+    }
+    let n = chain.gates().len();
+    assert_eq!(
+        n == gates.len(),
+        is_stabbed(vertices, gates, &mut Funnel::default())
+    );
+    while chain.pop().is_some() {
+        widths.pop();
+        let width = chain.slack().map_or(f64::INFINITY, |found| found.width);
+        assert_eq!(width, widths[widths.len() - 1]);
+    }
+    assert_eq!(widths.len(), 1);
 }
 
 fn without_any_end_it_falls(vertices: &Vertices, chain: &[Gate], whole: &Contradiction) {
@@ -321,6 +385,9 @@ fn pool(kind: Kind, n: usize, random: &mut Pcg64Mcg) -> Vertices {
             }
         });
     }
+    // Each point once, as in the cells of a level.
+    let mut met = HashSet::new();
+    list.retain(|v| met.insert(*v));
     Vertices::new(list)
 }
 
@@ -412,14 +479,17 @@ fn random_chains_agree_with_brute_force() {
             assert_eq!(open, !reference.contradicts(), "{vertices:?} {chain:?}");
             assert_eq!(
                 open,
-                is_stabbed(&vertices, &chain),
-                "{vertices:?} {chain:?}"
+                is_stabbed(&vertices, &chain, &mut Funnel::default()),
+                "{chain:?}"
             );
+            grows_and_shrinks(&vertices, &chain);
             [&mut blocked, &mut stabbed][usize::from(open)][kind] += 1;
-            // Any gates at all, such as those of no cells.
-            let gates = any_gates(&vertices, length, &mut random);
-            let open = checked(&vertices, &gates);
-            assert_eq!(open, !Reference::new(&vertices, &gates).contradicts());
+            // Any gates at all, such as those of no cells, with every point there twice.
+            let twice = vertices.iter().chain(vertices.iter()).copied();
+            let twice = Vertices::new(twice.collect());
+            let gates = any_gates(&twice, length, &mut random);
+            let open = checked(&twice, &gates);
+            assert_eq!(open, !Reference::new(&twice, &gates).contradicts());
             loose[usize::from(open)] += 1;
         }
     }
@@ -453,8 +523,8 @@ fn the_linear_programme_agrees_where_there_is_room() {
             let exact = slack(&vertices, &chain);
             let place = |v| vertices.approx(v);
             let ends = || chain.iter().flat_map(|g| [place(g.left), place(g.right)]);
-            let low = ends().reduce(glam::DVec2::min).unwrap();
-            let high = ends().reduce(glam::DVec2::max).unwrap();
+            let low = ends().reduce(DVec2::min).unwrap();
+            let high = ends().reduce(DVec2::max).unwrap();
             let size = (high - low).max_element();
             match (lp::stab(&vertices, &chain), exact) {
                 (Stabbing::Line(line), Some(exact)) if exact.width > 1e-8 * size => {

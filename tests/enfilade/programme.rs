@@ -4,6 +4,7 @@ use enfilade::cells::{CellGraph, CellId, Doors, Subdivision};
 use enfilade::level::toml;
 use enfilade::pvs::lp::{lp, lp_bounded};
 use enfilade::pvs::search::search;
+use enfilade::pvs::sweep::sweep;
 use enfilade::pvs::{Progress, Pvs};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -98,6 +99,22 @@ fn by_programme_the_sample_levels_lose_nothing() {
         }
     }
     assert!(n_compared >= 4, "only {n_compared} compared");
+}
+
+#[test]
+fn by_programme_in_a_museum_nothing_is_lost_though_little_is_finished() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/museum.toml");
+    let text = std::fs::read_to_string(path).expect("a level is text");
+    let level = toml::read(&text, "museum").expect("the samples are sound");
+    let graph = cells(&level, Subdivision::Bsp, Doors::Closed).expect("sound");
+    let exact = sweep(&graph, &Progress::default());
+    let found = lp_bounded(&graph, 60, &Progress::default());
+    found.validate(&graph).expect("what every PVS must be");
+    assert_eq!(beyond(&exact, &found), 0);
+    // Apart from what is undecided, it shows hardly anything too much.
+    let more = beyond(&found, &exact) as u64;
+    println!("{} undecided, {more} too many", found.undecided);
+    assert!(found.undecided > 0 && more < found.undecided + exact.pairs() / 20);
 }
 
 #[test]
