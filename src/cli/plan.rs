@@ -8,13 +8,13 @@ use glam::DVec2;
 
 use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg};
 use super::output::{self, Output};
-use super::{Answer, progress};
+use super::{Answer, picture, progress};
 use crate::cells::{CellGraph, CellId, Locator, subdivide};
 use crate::level::Level;
 use crate::pvs::eye::{Cone, Lookout, Scratch};
 use crate::pvs::{Progress, Pvs, sweep};
 use crate::report::plan::{EyeView, View, draw, draw_eye};
-use crate::report::{picture, sightlines};
+use crate::report::sightlines;
 
 /// Sample sightlines in a picture with a source.
 const SIGHTLINES: usize = 40;
@@ -75,21 +75,7 @@ pub struct PlanArgs {
 
 /// Runs `enfilade plan`.
 pub fn run(args: &PlanArgs) -> Result<Answer> {
-    let ending = args
-        .output
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    let as_png = match ending.as_str() {
-        "png" => true,
-        "svg" => false,
-        _ if output::is_stdout(&args.output) => false,
-        _ => bail!(
-            "{}: a picture is an .svg or a .png file; choose one by the ending",
-            args.output.display()
-        ),
-    };
+    let as_png = picture::is_png(&args.output)?;
     let level = args.level.read()?;
     let looking = looking(args, &level)?;
     let options = args.bsp.options(args.subdivision.into(), args.doors.into());
@@ -112,17 +98,19 @@ pub fn run(args: &PlanArgs) -> Result<Answer> {
             }
         }
     };
-    let svg = svg.to_string();
-    if as_png {
-        let png = progress::show("drawing", false, &Progress::default(), || {
-            picture::png(&svg, args.width)
-        })?;
-        output.write(|out| out.write_all(&png))?;
-    } else {
-        output.write(|out| writeln!(out, "{svg}"))?;
-    }
+    let png = as_png.then_some(args.width);
+    picture::write(&mut output, &svg.to_string(), png, false)?;
     output::commit([output])?;
     Ok(Answer::Yes)
+}
+
+/// Refuses the number of a cell that there is not.
+pub fn must_exist(graph: &CellGraph, cell: u32) -> Result<()> {
+    let n = graph.cells.len();
+    if cell as usize >= n {
+        bail!("there is no cell {cell}; this subdivision has {n} cells, numbered from 0");
+    }
+    Ok(())
 }
 
 fn visible(graph: &CellGraph) -> Pvs {
@@ -217,10 +205,7 @@ fn draw_looking(
 /// The cell that was asked for, if any.
 fn source(args: &PlanArgs, level: &Level, graph: &CellGraph) -> Result<Option<CellId>> {
     if let Some(cell) = args.cell {
-        let n = graph.cells.len();
-        if cell as usize >= n {
-            bail!("there is no cell {cell}; this subdivision has {n} cells, numbered from 0");
-        }
+        must_exist(graph, cell)?;
         return Ok(Some(CellId(cell)));
     }
     let Some(point) = args.from else {

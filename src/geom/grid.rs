@@ -144,7 +144,7 @@ mod tests {
             origin: [10_000_000_000, 0],
         };
         // A thousand kilometres away f64 no longer tells a 2^20th of a step.
-        let p = grid.fine(DVec2::new(1_000_000.1003, 1.25)).unwrap();
+        let p = grid.fine(DVec2::new(1_000_000.100_3, 1.25)).unwrap();
         assert_eq!(p, GridPoint::new(1003, 12_500).into());
         let p = grid.fine(DVec2::new(1_000_000.0, 0.12345)).unwrap();
         assert_eq!((p.x(), p.w(), p.y()), (0, 2, 2469)); // 1234.5 steps

@@ -104,7 +104,8 @@ pub fn scale_bar(level: &Level, sheet: &Sheet) -> Group {
         .add(text(&label, right + 10.0, y + 4.5, SIZE).set("stroke-width", 0))
 }
 
-enum Swatch {
+/// A sample of what is explained in the legend.
+pub enum Swatch {
     Area(&'static str),
     Stroke {
         colour: &'static str,
@@ -113,12 +114,13 @@ enum Swatch {
         inner: bool,
     },
     Sight,
+    Dot(&'static str),
     Eye,
 }
 
 /// The colours and lines that occur in the picture, in rows below it; and how many rows.
 pub(super) fn of_layers(layers: &Layers, shown: Shown, sheet: &Sheet) -> (Group, usize) {
-    let mut items: Vec<(&str, Swatch)> = Vec::new();
+    let mut items: Vec<Item> = Vec::new();
     if let Shown::Cell(view) = shown {
         let [source, seen, other] = palette::VIEW;
         items.push(("source cell", Swatch::Area(source)));
@@ -141,6 +143,14 @@ pub(super) fn of_layers(layers: &Layers, shown: Shown, sheet: &Sheet) -> (Group,
         items.push(("in the PVS, but not in view", Swatch::Area(culled)));
         items.push(("not in the PVS", Swatch::Area(other)));
     }
+    of_items(items, layers, sheet)
+}
+
+/// A sample with what it stands for.
+pub type Item = (&'static str, Swatch);
+
+/// As [`of_layers`], with some items first.
+pub fn of_items(mut items: Vec<Item>, layers: &Layers, sheet: &Sheet) -> (Group, usize) {
     let mut stroke = |line, label, colour, width, dashes, inner| {
         if layers.has(line) {
             items.push((
@@ -243,6 +253,13 @@ fn draw_swatch(group: Group, swatch: &Swatch, x: f64, y: f64) -> Group {
                 group
             }
         }
+        Swatch::Dot(colour) => group.add(
+            Circle::new()
+                .set("cx", short(x + 12.0))
+                .set("cy", short(y))
+                .set("r", 4.5)
+                .set("fill", colour),
+        ),
         Swatch::Eye => group
             .add(line(palette::EYE, 1.8))
             .add(eye::dot(DVec2::new(x + 6.0, y))),

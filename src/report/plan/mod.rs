@@ -6,6 +6,7 @@
 //! source cell dark blue, its visible cells light blue, sample stabbing lines green. With an eye,
 //! result (d): cells in view blue, the exact visible area blue-green, culled cells of the PVS green.
 
+mod explained;
 mod eye;
 mod layers;
 mod legend;
@@ -16,6 +17,7 @@ mod sheet;
 use svg::Document;
 use svg::node::element::Rectangle;
 
+pub use self::explained::draw_explained;
 pub use self::eye::EyeView;
 use self::layers::Layers;
 use self::sheet::Sheet;
