@@ -190,14 +190,15 @@ impl<'a> Caster<'a> {
                 walls.push(wall(ends[0], ends[1], Act::Stops));
             }
         }
-        for i in 0..walls.len() {
-            let cuts = |other: &Wall| {
-                other.act == Act::Cuts
-                    && [&other.from, &other.to]
-                        .iter()
-                        .all(|p| apply(&walls[i].line, p) == IBig::ZERO)
-            };
-            walls[i].cutters = (0..walls.len()).filter(|&j| cuts(&walls[j])).collect();
+        let cutters: Vec<usize> = (0..walls.len())
+            .filter(|&i| walls[i].act == Act::Cuts)
+            .collect();
+        for wall in 0..walls.len() {
+            if walls[wall].act == Act::StopsUnlessCut {
+                let on = |p: &Point| apply(&walls[wall].line, p) == IBig::ZERO;
+                let in_line = |&&i: &&usize| on(&walls[i].from) && on(&walls[i].to);
+                walls[wall].cutters = cutters.iter().filter(in_line).copied().collect();
+            }
         }
         Self {
             graph,
@@ -279,9 +280,9 @@ impl<'a> Caster<'a> {
         for i in 0..n {
             let (low, high) = (&changes[i], &changes[(i + 1) % n]);
             let middle = between(low, high);
-            // A border between the eye's own cells may lie just in the middle.
-            let beside = between(low, &middle);
-            if !self.leads_inside(&middle) && !self.leads_inside(&beside) {
+            // Borders between the eye's own cells may lead the same way.
+            let ways = [[1, 1], [31, 17], [97, 11]].map(|w| weighed(low, high, w));
+            if !ways.iter().any(|d| self.leads_inside(d)) {
                 continue;
             }
             let (_, wall) = self.first_wall(&middle).expect("walls enclose the inside");

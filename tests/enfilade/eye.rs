@@ -464,18 +464,23 @@ fn check_level(level: &Level, eyes: usize, effort: &Effort) -> Result<Compared, 
 #[test]
 fn sample_and_hard_levels_agree_with_rays_cast_among_their_walls() {
     let mut all = Compared::default();
-    let effort = Effort {
-        areas: true,
-        pieces: 20,
-        segments: 60,
-    };
     for path in tomls("levels").into_iter().chain(tomls("levels/hard")) {
         let text = fs::read(&path).expect("a level is readable");
         let Ok(level) = read(text, "level.toml", None) else {
             continue; // a hard level that is to be refused
         };
-        let large = level.walls.len() > 150;
-        let compared = check_level(&level, if large { 3 } else { 20 }, &effort)
+        // Casting costs the square of the walls.
+        let (eyes, areas) = match level.walls.len() {
+            0..150 => (12, true),
+            150..1000 => (2, true),
+            _ => (2, false),
+        };
+        let effort = Effort {
+            areas,
+            pieces: 20,
+            segments: 60,
+        };
+        let compared = check_level(&level, eyes, &effort)
             .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         all.add(compared);
     }

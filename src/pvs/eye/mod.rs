@@ -48,8 +48,9 @@ pub struct Lookout<'a> {
     locator: Locator,
 }
 
-/// Part of a cell: all of it that lies in one wedge of directions. Those of a cell do not overlap.
-#[derive(Clone, Copy, Debug)]
+/// Part of a cell: all of it that lies in one wedge of directions. Those of a cell do not overlap. Only
+/// its own vista can tell more about it, so it is not to be copied.
+#[derive(Debug)]
 pub struct Piece {
     /// The cell.
     pub cell: CellId,
