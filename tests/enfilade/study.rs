@@ -45,7 +45,7 @@ fn study(level: &str, further: &[&str]) -> Studied {
 /// A text's number: `12,345`, `0.0021 %`, `× 12`, and times in seconds. NaN where there is none.
 fn number(text: &str) -> f64 {
     let text = text
-        .replace(',', "")
+        .replace([',', '≤', '>'], "")
         .replace('\u{202f}', " ")
         .replace('×', " ");
     let mut parts = text.split_whitespace();
