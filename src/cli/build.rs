@@ -131,8 +131,14 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Runs `enfilade build`.
 pub fn run(args: &BuildArgs) -> Result<Answer> {
+    if args.max_steps.is_some() && args.heights {
+        bail!("--max-steps limits the search on the plan; with --heights, give --time-limit");
+    }
     if args.max_steps.is_some() && args.method != MethodArg::Search {
         bail!("--max-steps limits the search; give --method search with it");
+    }
+    if args.splits == Some(0) {
+        bail!("--splits 0 would look at nothing; give at least 1");
     }
     let samples = args.method == MethodArg::Sample;
     if (args.rays.is_some() || args.seed.is_some()) && !samples {

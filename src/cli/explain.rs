@@ -13,6 +13,7 @@ use crate::cells::{CellGraph, CellId, Doors, Locator, subdivide};
 use crate::geom::GridPoint;
 use crate::level::Level;
 use crate::pvs::explain::ExplainOptions;
+use crate::pvs::heights::HeightsOptions;
 use crate::pvs::{Progress, sweep};
 use crate::report::explain::{self, Account, Asked, asked, text};
 use crate::report::plan::draw_explained;
@@ -59,6 +60,13 @@ pub struct ExplainArgs {
     /// Whether doors that stand closed count as walls
     #[arg(long, value_enum, value_name = "STATE", default_value = "open")]
     doors: DoorsArg,
+    /// Count floors and ceilings: sight in space, not only on the plan
+    #[arg(long)]
+    heights: bool,
+    /// With --heights: into how many parts the lines through one chain of portals may be split
+    /// before it is left undecided
+    #[arg(long, value_name = "N", requires = "heights")]
+    splits: Option<u32>,
     /// End the search for the widest view after this many steps (portals tried)
     #[arg(long, value_name = "N", default_value_t = ExplainOptions::default().max_steps)]
     max_steps: u64,
@@ -90,20 +98,26 @@ pub fn run(args: &ExplainArgs) -> Result<Answer> {
     let pvs = progress::show("finding what is visible", args.quiet, &counter, || {
         sweep::sweep(&graph, &counter)
     });
+    let depth = ExplainOptions {
+        max_steps: args.max_steps,
+        points: None,
+        heights: args.heights.then(|| HeightsOptions {
+            splits: args.splits.unwrap_or(HeightsOptions::default().splits),
+        }),
+    };
     let places = asked::choose(&pvs, &from.cells, &to.cells).map(|[a, b]| {
         [
             Asked::new(a, from.point, &from.cells),
             Asked::new(b, to.point, &to.cells),
         ]
     });
-    let explained = places.and_then(|p| explain::explain(&graph, &pvs, p, args.max_steps));
+    let explained = places.and_then(|p| explain::explain(&graph, &pvs, p, &depth));
     let Some(explained) = explained else {
         bail!("no explanation was found; please report this level");
     };
     let mut account = Account::of(&level, &graph, &explained);
     if !account.visible && graph.options.doors == Doors::Closed {
-        account.doors_open =
-            explain::with_open_doors(&level, &graph, explained.asked, args.max_steps);
+        account.doors_open = explain::with_open_doors(&level, &graph, explained.asked, &depth);
     }
 
     if let (Some(drawing), Some(as_png)) = (&mut drawing, as_png) {

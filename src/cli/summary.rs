@@ -38,15 +38,8 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
             pvs.density(),
         ),
     );
-    if pvs.undecided > 0 {
-        let share = 100.0 * pvs.undecided as f64 / pvs.pairs() as f64;
-        line(
-            "undecided",
-            format!(
-                "{} of these pairs ({share:.1} %), counted as visible without proof",
-                grouped(pvs.undecided)
-            ),
-        );
+    if pvs.heights || pvs.undecided > 0 {
+        line("undecided", undecided(pvs));
     }
     if let Some((cell, size)) = largest(graph, pvs) {
         let mean = pvs.pairs() as f64 / n as f64;
@@ -77,6 +70,19 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
         ),
     );
     out
+}
+
+/// How many pairs are visible for want of proof, and what that means.
+fn undecided(pvs: &Pvs) -> String {
+    if pvs.undecided == 0 {
+        return "none: each pair has a sightline, or the proof that there is none".into();
+    }
+    let share = 100.0 * pvs.undecided as f64 / pvs.pairs().max(1) as f64;
+    format!(
+        "{}, {share:.4} % of those above, counted as visible without proof: neither a sightline nor \
+         the proof that there is none was found in the time and parts allowed",
+        count(pvs.undecided as usize, "ordered pair"),
+    )
 }
 
 /// One row of the comparison.

@@ -7,11 +7,13 @@
 mod grid;
 mod interval;
 mod line;
+pub mod pencil;
 pub mod predicate;
 mod vertex;
 
-pub use grid::{GRID_LIMIT, Grid, GridPoint, Step};
+pub use grid::{FINE, GRID_LIMIT, Grid, GridPoint, Step};
 pub use interval::{Interval, Span};
 pub use line::Line;
+pub use pencil::{Pencil, Ray};
 pub use predicate::{Directed, Placed, Side, VertexId, VertexSet, Vertices, orient};
 pub use vertex::Vertex;

@@ -137,6 +137,8 @@ pub struct Vertices {
     all_grid: bool,
     /// Whether i128 holds every determinant of three of the vertices.
     narrow: bool,
+    /// The largest coordinate of the f64 copies, without its sign.
+    reach: f64,
     /// See [`Vertices::bound`]: a cross product of the f64 copies larger than this has the true sign;
     /// it is off by less.
     bound: f64,
@@ -149,10 +151,9 @@ impl Vertices {
     pub fn new(exact: Vec<Vertex>) -> Self {
         let approx: Vec<DVec2> = exact.iter().map(Vertex::approx).collect();
         let all_grid = exact.iter().all(|v| v.grid().is_some());
-        let largest = || {
-            let coordinates = approx.iter().map(|p| p.x.abs().max(p.y.abs()));
-            coordinates.fold(0.0f64, f64::max)
-        };
+        let reach = approx
+            .iter()
+            .fold(0.0f64, |m, p| m.max(p.x.abs()).max(p.y.abs()));
         let (bound, error) = if all_grid {
             // Differences have at most 27 bits, products 53, and so has their difference.
             (0.0, 0.0)
@@ -161,8 +162,7 @@ impl Vertices {
             // difference of two by e = (6.02 + 2)·u·M < 2^-49·M, and is itself at most 2M. The
             // cross product of two differences is off by 4·2M·e + 2e², and rounding adds at most
             // 3·u·8M²: together below 2^-45·M².
-            let m = largest();
-            (m * m * 2f64.powi(-45), m * 2f64.powi(-51))
+            (reach * reach * 2f64.powi(-45), reach * 2f64.powi(-51))
         };
         let narrow = width(&exact) <= 127;
         Self {
@@ -170,9 +170,20 @@ impl Vertices {
             approx,
             all_grid,
             narrow,
+            reach,
             bound,
             error,
         }
+    }
+
+    /// The largest coordinate of the vertices' f64 copies, without its sign.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Whether all of them are grid points.
+    pub fn are_grid(&self) -> bool {
+        self.all_grid
     }
 
     /// Number of vertices.

@@ -8,6 +8,7 @@
 
 mod bits;
 pub mod explain;
+pub mod eye;
 mod fan;
 pub mod file;
 mod flat;

@@ -271,6 +271,9 @@ fn line(from: DVec2, to: DVec2) -> Option<[GridPoint; 2]> {
     const FAR: f64 = (GRID_LIMIT - 1) as f64;
     let on_grid = |p: DVec2| p.round().clamp(DVec2::splat(-FAR), DVec2::splat(FAR));
     let distance = from.distance(to);
+    if distance == 0.0 {
+        return None;
+    }
     // A first grid point far back makes little of its rounding at `from`; a second one much farther
     // out makes little of its own at `to`. At best both are off by about the same.
     let back = (distance * FAR).sqrt();
@@ -279,7 +282,6 @@ fn line(from: DVec2, to: DVec2) -> Option<[GridPoint; 2]> {
     let out = |at: f64, d: f64| ((FAR * d.signum() - at) / d).abs();
     let share = out(first.x, way.x).min(out(first.y, way.y));
     let second = on_grid(first + way * share);
-    // Not finite if both points are the same.
     let whole = |p: DVec2| GridPoint::new(p.x as i64, p.y as i64);
     (first.is_finite() && second.is_finite()).then(|| [whole(first), whole(second)])
 }

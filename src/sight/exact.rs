@@ -8,7 +8,7 @@
 //! along an edge of one hull, and is found as its direction turns from one extreme line to the other
 //! (the rotating calipers of Shamos 1978). A portal that does not fit is in conflict with the ends
 //! that an extreme line touches. Whatever comes out is checked; should it not hold, as can be where
-//! the gates are not portals of one convex cell after the other, then [`super::hulls`] decides.
+//! the gates are not portals of one convex cell after the other, then `hulls` decides.
 
 use std::cmp::Ordering;
 

@@ -170,7 +170,7 @@ pub fn draw(chart: &Chart) -> Markup {
     };
     let right = WIDTH - RIGHT;
     let bottom = HEIGHT - BOTTOM;
-    let labels = Labels::around(chart, &place, &x);
+    let labels = Labels::around(chart, place, &x);
     let ticks = x.ticks(3);
     html! {
         svg.chart viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(chart.about) {

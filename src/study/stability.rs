@@ -8,9 +8,12 @@ pub mod statement;
 pub mod table;
 
 use crate::cells::{Options, Subdivision, subdivide};
-use crate::pvs::flow::FlowOptions;
-use crate::pvs::sample::SampleOptions;
-use crate::pvs::{self, Method, Progress, Pvs, PvsOptions};
+use crate::level::Level;
+use crate::pvs::flow::{FlowOptions, flow};
+use crate::pvs::lp::lp_bounded;
+use crate::pvs::search::search;
+use crate::pvs::sweep::sweep;
+use crate::pvs::{Class, Method, Progress, Pvs};
 
 use self::statement::{Case, CaseError, Reading, Wrong};
 
@@ -22,8 +25,12 @@ pub const METHODS: [Method; 4] = [Method::Sweep, Method::Search, Method::Lp, Met
 pub struct StabilityOptions {
     /// How the levels are cut into cells.
     pub subdivision: Subdivision,
-    /// Where a method gives up that counts its steps.
+    /// Where the search gives up, in cells entered.
     pub max_steps: u64,
+    /// The linear programme is asked only where the exact search enters at most so many cells: it
+    /// solves a programme for each, many times slower. It leaves open what it has not decided after
+    /// entering as many from one source.
+    pub lp_steps: u64,
 }
 
 impl Default for StabilityOptions {
@@ -31,6 +38,7 @@ impl Default for StabilityOptions {
         Self {
             subdivision: Subdivision::Bsp,
             max_steps: 20_000_000,
+            lp_steps: 40_000,
         }
     }
 }
@@ -80,8 +88,10 @@ pub struct Answered {
 /// What a method says of a level.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// Nothing: it needs too many steps.
+    /// Nothing: it gave up after too many steps.
     GaveUp,
+    /// It was not asked, since that would take too long.
+    NotAsked,
     /// A visible set.
     Given(Given),
 }
@@ -120,7 +130,7 @@ impl Answered {
     /// Whether both exact methods came to an end, agree, and contradict no statement.
     pub fn exact_is_right(&self) -> bool {
         let exact = METHODS.iter().zip(&self.methods);
-        let mut exact = exact.filter(|(m, _)| m.class() == pvs::Class::Exact);
+        let mut exact = exact.filter(|(m, _)| m.class() == Class::Exact);
         let right = |(_, a): (_, &Answer)| matches!(a, Answer::Given(g) if g.is_right());
         self.wrong.is_empty() && exact.all(right)
     }
@@ -135,50 +145,52 @@ pub fn judge(case: &Case, options: &StabilityOptions) -> Result<Row, CaseError> 
     let about_sight = (case.statements.iter())
         .filter(|s| s.claim.is_about_sight())
         .count();
+    let outcome = match case.read()? {
+        Reading::Refused { message, wrong } => Outcome::Refused { message, wrong },
+        Reading::Level(level) => Outcome::Answered(answers(case, &level, options)?),
+    };
     Ok(Row {
         name: case.name.clone(),
         shows: case.shows.clone(),
         about_sight,
         others: case.statements.len() - about_sight,
-        outcome: match case.read()? {
-            Reading::Refused { message, wrong } => Outcome::Refused { message, wrong },
-            Reading::Level(level) => {
-                let cells = Options {
-                    subdivision: options.subdivision,
-                    ..Options::default()
-                };
-                let graph = subdivide(&level, &cells);
-                let mut wrong = case.wrong_of_level(&level);
-                wrong.extend(case.wrong_of_cells(&graph));
-                let sets = METHODS.map(|method| {
-                    let options = PvsOptions {
-                        method,
-                        heights: None,
-                        max_steps: Some(options.max_steps),
-                        sample: SampleOptions::default(),
-                        flow: FlowOptions::of(&level),
-                    };
-                    pvs::compute(&graph, &options, &Progress::default())
-                });
-                let places = case.places(&level, &graph)?;
-                let truth = sets[0].as_ref();
-                let answer = |pvs: &Option<Pvs>| match (pvs, truth) {
-                    (Some(pvs), Some(truth)) => Answer::Given(Given {
-                        wrong: places.wrong(pvs),
-                        missed: beyond(truth, pvs),
-                        invented: beyond(pvs, truth),
-                        undecided: pvs.undecided,
-                    }),
-                    _ => Answer::GaveUp,
-                };
-                Outcome::Answered(Answered {
-                    cells: graph.cells.len(),
-                    pairs: truth.map_or(0, Pvs::pairs),
-                    wrong,
-                    methods: sets.iter().map(answer).collect(),
-                })
-            }
-        },
+        outcome,
+    })
+}
+
+fn answers(case: &Case, level: &Level, options: &StabilityOptions) -> Result<Answered, CaseError> {
+    let cells = Options {
+        subdivision: options.subdivision,
+        ..Options::default()
+    };
+    let graph = subdivide(level, &cells);
+    let places = case.places(level, &graph)?;
+    let mut wrong = case.wrong_of_level(level);
+    wrong.extend(case.wrong_of_cells(&graph));
+    let progress = Progress::default();
+    let truth = sweep(&graph, &progress);
+    let given = |pvs: &Pvs| {
+        Answer::Given(Given {
+            wrong: places.wrong(pvs),
+            missed: beyond(&truth, pvs),
+            invented: beyond(pvs, &truth),
+            undecided: pvs.undecided,
+        })
+    };
+    let searched = search(&graph, Some(options.max_steps), &progress);
+    let quick = (searched.as_ref()).is_some_and(|pvs| pvs.steps <= options.lp_steps);
+    let methods = METHODS.map(|method| match method {
+        Method::Search => searched.as_ref().map_or(Answer::GaveUp, given),
+        Method::Lp if !quick => Answer::NotAsked,
+        Method::Lp => given(&lp_bounded(&graph, options.lp_steps, &progress)),
+        Method::Flow => given(&flow(&graph, &FlowOptions::of(level), &progress)),
+        _ => given(&truth),
+    });
+    Ok(Answered {
+        cells: graph.cells.len(),
+        pairs: truth.pairs(),
+        wrong,
+        methods: methods.to_vec(),
     })
 }
 

@@ -110,9 +110,10 @@ fn a_pair_missing_in_one_subdivision_is_noticed() {
     let level = plan::level(&[strokes, vec![wall]].concat());
     let mut solved = solve_all(&level, Doors::Open).unwrap();
     same_sight(&solved).unwrap();
-    let visible = &mut solved[2].pvs.visible;
+    // The coarsest one: of finer cells, others in the same place may make up for the pair.
+    let visible = &mut solved[0].pvs.visible;
     let last = visible.n() - 1;
-    assert!(last > 1 && visible.get(0, last));
+    assert!(last > 0 && visible.get(0, last));
     for (i, j) in [(0, last), (last, 0)] {
         visible.row_mut(i)[j / 64] &= !(1 << (j % 64));
     }

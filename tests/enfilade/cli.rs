@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::readers::{sample, two_squares};
 
-fn enfilade(arguments: &[&str]) -> Output {
+pub fn enfilade(arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("enfilade").expect("the program is built");
     let output = command
         .args(arguments)
@@ -21,7 +21,7 @@ fn enfilade(arguments: &[&str]) -> Output {
     output
 }
 
-fn level(path: &str) -> String {
+pub fn level(path: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     root.join("levels")
         .join(path)
@@ -40,7 +40,7 @@ fn file(name: &str, content: &[u8]) -> (TempDir, String) {
 
 /// The program must refuse, with status 2, nothing on standard output, and one line on standard
 /// error that holds all of `parts`.
-fn refused(arguments: &[&str], parts: &[&str]) {
+pub fn refused(arguments: &[&str], parts: &[&str]) {
     let output = enfilade(arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {errors}");
@@ -638,25 +638,38 @@ fn a_reject_table_for_two_squares_that_see_each_other() {
     );
 }
 
-/// Two rooms with a door between them, and one behind a corner.
-const CORNER: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n\
-    [[room]]\nname = \"B\"\nrect = [4, 0, 8, 4]\n\
-    [[room]]\nname = \"C\"\nrect = [0, 4, 4, 8]\n\
-    [[door]]\nbetween = [\"A\", \"B\"]\nwidth = 1\n\
-    [[door]]\nname = \"Back door\"\nbetween = [\"A\", \"C\"]\nwidth = 1\n";
+/// A room, a corridor that turns twice, and a room at its end.
+const CORNER: &str = "[[room]]
+name = \"A\"
+rect = [0, 0, 4, 4]
+\
+    [[room]]
+name = \"Corridor\"
+outline = [[4, 0], [10, 0], [10, 10], [8, 10], [8, 2], [4, 2]]
+\
+    [[room]]
+name = \"B\"
+rect = [4, 8, 8, 12]
+\
+    [[door]]
+points = [[4, 0.5], [4, 1.5]]
+\
+    [[door]]
+name = \"Back door\"
+points = [[8, 8.5], [8, 9.5]]
+";
 
 #[test]
 fn explain_answers_in_words_in_json_and_by_its_status() {
     let (folder, path) = file("corner.toml", CORNER.as_bytes());
     let explain = |more: &[&str]| enfilade(&[&["explain", &path][..], more].concat());
-    let seen = ["--from", "1,1", "--to", "5,3"];
-    let hidden = ["--from", "7.5,0.5", "--to", "0.5,7.5"];
+    let seen = ["--from", "1,1", "--to", "6,1"];
+    let hidden = ["--from", "1,1", "--to", "6,11"];
     let words = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
 
     let output = explain(&seen);
     assert_eq!(output.status.code(), Some(0));
     assert!(words(&output).contains("Visible"), "{}", words(&output));
-    // The corners of the three rooms see each other through both doors, but not these cells.
     let output = explain(&[&hidden[..], &["--subdivision", "cdt"]].concat());
     assert_eq!(output.status.code(), Some(0));
     assert!(words(&output).contains("Not visible"), "{}", words(&output));
@@ -685,7 +698,7 @@ fn explain_answers_in_words_in_json_and_by_its_status() {
     assert_eq!(json["doors_open"]["visible"], true);
     assert_eq!(
         json["doors_open"]["doors"][0]["rooms"],
-        serde_json::json!(["A", "B"])
+        serde_json::json!(["A", "Corridor"])
     );
 
     for (name, start) in [("a.svg", &b"<svg"[..]), ("a.png", b"\x89PNG")] {
@@ -708,12 +721,9 @@ fn explain_takes_points_on_borders_and_cells_by_number() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     // In the middle of the door.
-    let words = explain(&["--from", "4,2", "--to", "7,1"]);
-    assert!(
-        words.contains("one cell") || words.contains("on its border"),
-        "{words}"
-    );
-    let words = explain(&["--from", "4,2", "--to", "2,7"]);
+    let words = explain(&["--from", "4,1", "--to", "1,3"]);
+    assert!(words.contains("one cell"), "{words}");
+    let words = explain(&["--from", "4,1", "--to", "6,11"]);
     assert!(words.contains("on its border with cell"), "{words}");
     let words = explain(&["--from-cell", "0", "--to-cell", "0"]);
     assert!(words.contains("one cell"), "{words}");
@@ -739,7 +749,7 @@ fn explain_refuses_places_that_are_none() {
         &["1,4", "on a wall", "line"],
     );
     // The end of the door is on a wall too.
-    refuse(&["--from", "4,2.5", "--to", "6,1"], &["on a wall"]);
+    refuse(&["--from", "4,1.5", "--to", "6,1"], &["on a wall"]);
     refuse(&["--from", "1,1", "--to-cell", "99"], &["no cell 99"]);
     refuse(
         &["--from", "1,1", "--to", "6,1", "-o", "a.jpg"],

@@ -10,6 +10,7 @@ use enfilade::level::{Level, doom, snap, toml, wad::Wad};
 use enfilade::pvs::explain::{
     self, ExplainOptions, Explanation, Hidden, Point, Segment, Straight, View, corner_at, gates,
 };
+use enfilade::pvs::heights::HeightsOptions;
 use enfilade::pvs::{Progress, Pvs, sweep::sweep};
 use enfilade::report::explain::{Account, Asked, text};
 use enfilade::sight::{Chain, Gate};
@@ -63,7 +64,12 @@ impl World {
             let point = Some(self.point(x, y));
             Asked::new(self.cell(x, y), point, &[])
         });
-        let explained = enfilade::report::explain::explain(&self.graph, &self.pvs, asked, 100_000);
+        let explained = enfilade::report::explain::explain(
+            &self.graph,
+            &self.pvs,
+            asked,
+            &ExplainOptions::default(),
+        );
         let explained = explained.expect("the PVS is the graph's own");
         Account::of(&self.level, &self.graph, &explained)
     }
@@ -139,7 +145,16 @@ const TURNS: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n\
 fn around_two_corners_nothing_is_seen() {
     let world = World::of_toml(TURNS);
     let (a, b) = (world.cell(1.0, 1.0), world.cell(6.0, 11.0));
-    let hidden = hidden(world.explain(a, b));
+    let middles = [[2.0, 2.0], [6.0, 10.0]].map(|[x, y]| {
+        let p = world.point(x, y);
+        DVec2::new(p.x as f64, p.y as f64)
+    });
+    let options = ExplainOptions {
+        points: Some(middles),
+        ..ExplainOptions::default()
+    };
+    let explanation = explain::explain(&world.graph, &world.pvs, a, b, &options);
+    let hidden = hidden(explanation.expect("the PVS is the graph's own"));
     let bends: Vec<[f64; 2]> = hidden.way.bends.iter().map(|&v| world.at(v)).collect();
     assert_eq!(bends, [[4.0, 1.5], [8.0, 2.0], [8.0, 8.5]]);
     // From the middle of A, (2, 2), and to that of B, (6, 10).
@@ -187,8 +202,12 @@ fn one_cell_neighbours_and_places_apart() {
     assert_eq!(closed.explain(c, d), Explanation::Apart);
     let asked =
         [(c, 10.0), (d, 14.0)].map(|(cell, x)| Asked::new(cell, Some(closed.point(x, 1.0)), &[]));
-    let open =
-        enfilade::report::explain::with_open_doors(&closed.level, &closed.graph, asked, 1000);
+    let open = enfilade::report::explain::with_open_doors(
+        &closed.level,
+        &closed.graph,
+        asked,
+        &ExplainOptions::default(),
+    );
     let open = serde_json::to_value(open.expect("there are points")).expect("it is plain");
     assert_eq!(open["visible"], true);
     assert_eq!(open["doors"].as_array().map(Vec::len), Some(1));
@@ -232,7 +251,7 @@ fn the_account_of_two_rooms_in_full() {
     let expected = json!({
         "format": "enfilade.explanation", "version": 1,
         "level": { "name": "rooms", "source": "rooms.toml", "unit": "m" },
-        "subdivision": "bsp", "doors": "open",
+        "subdivision": "bsp", "doors": "open", "heights": false,
         "from": { "cell": 0, "sector": 0, "room": "Hall", "point": [1.0, 1.0], "beside": null },
         "to": { "cell": 1, "sector": 1, "room": "Kitchen", "point": [8.0, 3.0], "beside": null },
         "visible": true, "connected": true,
@@ -246,8 +265,9 @@ fn the_account_of_two_rooms_in_full() {
             "portals": [{
                 "kind": "door", "name": "Low door", "cells": [0, 1], "rooms": ["Hall", "Kitchen"],
                 "wall": wall(7, 1, [6.0, 1.55], [6.0, 2.45], Value::Null),
-                "segment": [[6.0, 1.55], [6.0, 2.45]], "point": [6.0, 2.0],
+                "opening": [0.0, 3.0], "segment": [[6.0, 1.55], [6.0, 2.45]], "point": [6.0, 2.0],
             }],
+            "space": null,
         },
         "way": null, "doors_open": null,
     });
@@ -320,6 +340,12 @@ fn is_free(level: &Level, segment: &Segment) -> bool {
     let apart = |s: &IBig, t: &IBig| s == t && *s != IBig::ZERO;
     let touches = |w: &enfilade::level::Wall| {
         let [a, b] = ends(w);
+        if side(a) == IBig::ZERO && side(b) == IBig::ZERO {
+            // In line: they touch if their extents do.
+            let [p, q] = [&segment.from, &segment.to].map(Point::approx);
+            let [a, b] = [a, b].map(|[x, y]| DVec2::new(x as f64, y as f64));
+            return p.min(q).cmple(a.max(b)).all() && a.min(b).cmple(p.max(q)).all();
+        }
         !apart(&side(a), &side(b)) && !apart(&of_wall([a, b], p), &of_wall([a, b], q))
     };
     let within = |w: &enfilade::level::Wall| {
@@ -390,6 +416,85 @@ fn widest_chain(graph: &CellGraph, a: CellId, b: CellId) -> Option<f64> {
     (best > 0.0).then_some(best)
 }
 
+/// The widest bundle of parallel sightlines between two cells, by trying every direction in which it
+/// can lie: along or across the way between two vertices. From the walls alone, in f64.
+fn widest_bundle(graph: &CellGraph, a: CellId, b: CellId) -> f64 {
+    let n = graph.vertices.len() as u32;
+    let at = |v: u32| graph.vertices.approx(enfilade::geom::VertexId(v));
+    let walls: Vec<[DVec2; 2]> = (0..graph.edges.len() as u32)
+        .map(EdgeId)
+        .filter(|&e| graph.edge(e).twin().is_none())
+        .map(|e| [graph.edge(e).origin, graph.end(e)].map(|v| graph.vertices.approx(v)))
+        .collect();
+    let corners = |cell: CellId| -> Vec<DVec2> {
+        graph
+            .polygon(cell)
+            .iter()
+            .map(|&v| graph.vertices.approx(v))
+            .collect()
+    };
+    let cells = [corners(a), corners(b)];
+    let mut best = 0.0f64;
+    for i in 0..n {
+        for j in 0..n {
+            let Some(along) = (at(j) - at(i)).try_normalize().filter(|_| i != j) else {
+                continue;
+            };
+            for direction in [along, along.perp()] {
+                let offset = |p: DVec2| direction.perp_dot(p);
+                // Where the line at an offset meets a segment, as a distance along it.
+                let meet = |p: DVec2, q: DVec2, o: f64| {
+                    let (f, g) = (offset(p) - o, offset(q) - o);
+                    ((f > 0.0) != (g > 0.0)).then(|| direction.dot(p.lerp(q, f / (f - g))))
+                };
+                let middle = |cell: &[DVec2], o: f64| {
+                    let k = cell.len();
+                    let met: Vec<f64> = (0..k)
+                        .filter_map(|i| meet(cell[i], cell[(i + 1) % k], o))
+                        .collect();
+                    (met.len() == 2).then(|| (met[0] + met[1]) / 2.0)
+                };
+                let between = |o: f64| {
+                    let (from, to) = (middle(&cells[0], o)?, middle(&cells[1], o)?);
+                    Some([from.min(to), from.max(to)])
+                };
+                let is_free = |o: f64| {
+                    between(o).is_some_and(|[from, to]| {
+                        let mut met = walls.iter().filter_map(|&[p, q]| meet(p, q, o));
+                        !met.any(|t| from < t && t < to)
+                    })
+                };
+                let mut offsets: Vec<f64> = (0..n).map(|v| offset(at(v))).collect();
+                offsets.sort_by(f64::total_cmp);
+                let mut start = None;
+                for pair in offsets.windows(2) {
+                    if pair[1] - pair[0] < 1e-7 {
+                        continue;
+                    }
+                    let o = (pair[0] + pair[1]) / 2.0;
+                    if !is_free(o) {
+                        start = None;
+                        continue;
+                    }
+                    // Does a wall's end part this gap from the last?
+                    let [from, to] = between(o).expect("it is free");
+                    let parted = walls.iter().flatten().any(|&p| {
+                        let t = direction.dot(p);
+                        (offset(p) - pair[0]).abs() < 1e-7 && from < t && t < to
+                    });
+                    let first = match start {
+                        Some(first) if !parted => first,
+                        _ => pair[0],
+                    };
+                    start = Some(first);
+                    best = best.max(pair[1] - first);
+                }
+            }
+        }
+    }
+    best
+}
+
 /// What must hold of every view.
 fn check_view(world: &World, a: CellId, b: CellId, view: &View) {
     let World { level, graph, .. } = world;
@@ -455,8 +560,10 @@ fn check_hidden(world: &World, a: CellId, b: CellId, hidden: &Hidden) {
 fn random_levels_are_explained() {
     let mut random = Pcg64::seed_from_u64(5);
     let (mut views, mut ways, mut all_chains, mut wider) = (0, 0, 0, 0);
+    let (mut bundles, mut narrower, mut least) = (0, 0, 1.0f64);
     for _ in 0..150 {
-        let level = level_of(&random_strokes(&mut random));
+        let strokes = random_strokes(&mut random);
+        let level = level_of(&strokes);
         for subdivision in Subdivision::ALL {
             let options = Options {
                 subdivision,
@@ -478,18 +585,27 @@ fn random_levels_are_explained() {
                             let off = (view.slack - best).abs();
                             assert!(off <= 1e-9 * best, "{} and {best}", view.slack);
                             all_chains += 1;
+                            if world.graph.vertices.len() < 30 {
+                                let all = widest_bundle(&world.graph, a, b);
+                                let share = view.strip.width / all;
+                                assert!(
+                                    share < 1.0 + 1e-6,
+                                    "{} of {all}: {view:?}",
+                                    view.strip.width
+                                );
+                                bundles += 1;
+                                narrower += usize::from(share < 1.0 - 1e-6);
+                                least = least.min(share);
+                            }
                         }
                     }
                     Explanation::Hidden(hidden) => {
                         assert!(!world.pvs.sees(a, b));
                         check_hidden(&world, a, b, &hidden);
                         ways += 1;
-                        // As short from the other end.
-                        let Explanation::Hidden(back) = world.explain(b, a) else {
-                            panic!("not hidden from the other end");
-                        };
-                        let off = (back.way.length - hidden.way.length).abs();
-                        assert!(off <= 1e-9 * back.way.length);
+                        // From the other end it is hidden, too; the ways may differ.
+                        let back = world.explain(b, a);
+                        assert!(matches!(back, Explanation::Hidden(_)), "{strokes:?}");
                     }
                     Explanation::Apart => assert!(!world.pvs.sees(a, b)),
                 }
@@ -497,7 +613,9 @@ fn random_levels_are_explained() {
         }
     }
     println!(
-        "{views} views ({wider} wider than their chain), {all_chains} against all chains, {ways} ways"
+        "{views} views ({wider} wider than their chain), {all_chains} against all chains, {bundles} \
+         against all directions ({narrower} narrower than the widest, the least {least:.3} of it), \
+         {ways} ways"
     );
     assert!(views > 1000 && ways > 500 && all_chains > 500 && wider > 50);
 }
@@ -585,4 +703,57 @@ fn maps_of_freedoom_are_explained() {
             );
         }
     }
+}
+
+/// Rooms in a row with windows low, high and low.
+const SILLS: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n\
+    [[room]]\nname = \"B\"\nrect = [4, 0, 8, 4]\n\
+    [[room]]\nname = \"C\"\nrect = [8, 0, 12, 4]\n\
+    [[room]]\nname = \"D\"\nrect = [12, 0, 16, 4]\n\
+    [[window]]\npoints = [[4, 1], [4, 3]]\nbottom = 0\ntop = 1\n\
+    [[window]]\npoints = [[8, 1], [8, 3]]\nbottom = 2\ntop = 3\n\
+    [[window]]\npoints = [[12, 1], [12, 3]]\nbottom = 0\ntop = 1\n";
+
+#[test]
+fn a_high_window_between_two_low_ones_hides() {
+    let world = World::of_toml(SILLS);
+    let options = ExplainOptions {
+        heights: Some(HeightsOptions::default()),
+        ..ExplainOptions::default()
+    };
+    let account = |x: f64| {
+        let asked = [2.0, x].map(|x| Asked::new(world.cell(x, 2.0), None, &[]));
+        let explained =
+            enfilade::report::explain::explain(&world.graph, &world.pvs, asked, &options);
+        let explained = explained.expect("the PVS is the graph's own");
+        let account = Account::of(&world.level, &world.graph, &explained);
+        let words = text::of(&world.level, &account);
+        (serde_json::to_value(&account).expect("it is plain"), words)
+    };
+    // Through two windows a steep line passes.
+    let (near, words) = account(10.0);
+    assert_eq!(near["visible"], true, "{words}");
+    assert_eq!(near["view"]["space"]["answer"], "visible");
+    let heights = near["view"]["space"]["segment"]
+        .as_array()
+        .expect("there is one");
+    let z = |i: usize| heights[i][2].as_f64().expect("it is a number");
+    assert!(z(0) < 1.0 && z(1) > 2.0, "{near:#}");
+    assert!(words.contains("In space"), "{words}");
+    // Not through all three.
+    let (far, words) = account(14.0);
+    assert_eq!(far["visible"], false, "{words}");
+    assert_eq!(far["view"]["space"]["answer"], "hidden");
+    let blocking = far["view"]["space"]["blocked_by"]
+        .as_array()
+        .expect("it is a list");
+    let openings: Vec<&Value> = blocking.iter().map(|p| &p["opening"]).collect();
+    assert_eq!(
+        openings,
+        [&json!([0.0, 1.0]), &json!([2.0, 3.0]), &json!([0.0, 1.0])]
+    );
+    assert!(
+        words.contains("Not visible") && words.contains("Blocked by"),
+        "{words}"
+    );
 }

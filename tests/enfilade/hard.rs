@@ -76,7 +76,12 @@ fn hard_levels_have_the_answers_worked_out_by_hand() {
     let mut wrong = Vec::new();
     for case in &list {
         let (name, shows) = (&case.name, &case.shows);
-        assert!(!case.statements.is_empty(), "{name} states no answer");
+        // What single eyes see is checked in `eye`.
+        let of_eyes = name.starts_with("eye-");
+        assert!(
+            of_eyes || !case.statements.is_empty(),
+            "{name} states no answer"
+        );
         assert!(shows.ends_with('.'), "{name}: what does it show? `{shows}`");
         if let Err(error) = check(case) {
             wrong.push(format!("{name}: {error}"));

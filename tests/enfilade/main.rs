@@ -1,7 +1,8 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
-//! them need stands in `browser`, `plan`, `random`, `sightline`, `reference` and `compare`.
+//! them need stands in `browser`, `caster`, `plan`, `random`, `sightline`, `reference` and `compare`.
 
 mod browser;
+mod caster;
 mod compare;
 mod plan;
 mod random;
@@ -12,10 +13,12 @@ mod agree;
 mod bulk;
 mod cli;
 mod explain;
+mod eye;
 mod generated;
 mod hard;
 mod heights;
 mod methods;
+mod pictures;
 mod programme;
 mod property;
 mod readers;

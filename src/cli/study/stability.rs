@@ -24,9 +24,13 @@ pub struct StabilityArgs {
     /// How the plans are cut into cells
     #[arg(long, value_enum, value_name = "HOW", default_value = "bsp")]
     subdivision: SubdivisionArg,
-    /// Give up a method after this many steps (cells entered) [default: 20000000]
+    /// Give up the search after this many steps (cells entered) [default: 20000000]
     #[arg(long, value_name = "N")]
     max_steps: Option<u64>,
+    /// Ask the linear programme only where the search needs at most this many steps
+    /// [default: 40000]
+    #[arg(long, value_name = "N")]
+    lp_steps: Option<u64>,
     /// Threads to compute with [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -46,11 +50,12 @@ pub fn run(args: &StabilityArgs) -> Result<Answer> {
     output::must_differ(Some(&args.output), args.json.as_deref())?;
     let mut markdown = Output::create(&args.output)?;
     let mut json = args.json.as_deref().map(Output::create).transpose()?;
-    let mut options = StabilityOptions {
+    let usual = StabilityOptions::default();
+    let options = StabilityOptions {
         subdivision: args.subdivision.into(),
-        ..StabilityOptions::default()
+        max_steps: args.max_steps.unwrap_or(usual.max_steps),
+        lp_steps: args.lp_steps.unwrap_or(usual.lp_steps),
     };
-    options.max_steps = args.max_steps.unwrap_or(options.max_steps);
     let levels = levels(&args.folder)?;
     let pool = compute::pool(args.threads)?;
     let counter = Progress::default();
@@ -63,7 +68,11 @@ pub fn run(args: &StabilityArgs) -> Result<Answer> {
         };
         levels.iter().map(row).collect::<Result<Vec<Row>>>()
     })?;
-    markdown.write(|out| out.write_all(table::markdown(&rows).as_bytes()))?;
+    // A level that states nothing of what cells see is about something else: about a single eye.
+    let rows: Vec<Row> = (rows.into_iter())
+        .filter(|row| row.about_sight + row.others > 0)
+        .collect();
+    markdown.write(|out| out.write_all(table::markdown(&rows, &options).as_bytes()))?;
     if let Some(json) = &mut json {
         json.write(|out| {
             serde_json::to_writer_pretty(&mut *out, &table::json(&rows, &options))?;

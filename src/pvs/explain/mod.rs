@@ -8,6 +8,7 @@
 mod chain;
 mod corner;
 mod segment;
+mod space;
 mod straight;
 mod strip;
 mod view;
@@ -16,6 +17,7 @@ mod way;
 pub use chain::gates;
 pub use corner::{Corner, corner_at, corners_of, edges_at};
 pub use segment::{Point, Segment};
+pub use space::Space;
 pub use straight::{Straight, straight};
 pub use strip::Strip;
 pub use view::{Beside, View, last_cell};
@@ -24,6 +26,7 @@ pub use way::Way;
 use glam::DVec2;
 
 use super::Pvs;
+use super::heights::HeightsOptions;
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{GridPoint, VertexId};
 use crate::sight::Contradiction;
@@ -36,6 +39,8 @@ pub struct ExplainOptions {
     /// Where the way on foot starts and ends, in grid steps, inside of the two cells; `None`: in the
     /// cells' middles.
     pub points: Option<[DVec2; 2]>,
+    /// Whether floors and ceilings count, and how hard to try.
+    pub heights: Option<HeightsOptions>,
 }
 
 impl Default for ExplainOptions {
@@ -43,21 +48,35 @@ impl Default for ExplainOptions {
         Self {
             max_steps: 100_000,
             points: None,
+            heights: None,
         }
     }
 }
 
 /// Why one cell sees another, or why not.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one at a time is made
 pub enum Explanation {
     /// Both are one cell: nothing stands in it.
     Same,
-    /// They see each other.
+    /// They see each other on the plan; [`View::space`] tells whether they do with heights.
     Visible(View),
     /// They do not.
     Hidden(Hidden),
     /// They do not, and no way leads from the one to the other.
     Apart,
+}
+
+impl Explanation {
+    /// Whether the two cells see each other, as far as is known: with heights, if those were asked
+    /// for.
+    pub fn sees(&self) -> bool {
+        match self {
+            Explanation::Same => true,
+            Explanation::Visible(view) => !matches!(view.space, Some(Space::Blocked(_))),
+            Explanation::Hidden(_) | Explanation::Apart => false,
+        }
+    }
 }
 
 /// Why one cell does not see another.
@@ -74,7 +93,7 @@ pub struct Hidden {
     pub ends: Contradiction,
 }
 
-/// Explains what `pvs` says of two cells. It must be the graph's exact PVS.
+/// Explains what `pvs` says of two cells. It must be the graph's exact PVS on the plan.
 pub fn explain(
     graph: &CellGraph,
     pvs: &Pvs,
@@ -87,7 +106,11 @@ pub fn explain(
     }
     if pvs.sees(a, b) {
         let best = chain::widest(graph, pvs, a, b, options.max_steps)?;
-        return view::view(graph, a, b, &best).map(Explanation::Visible);
+        let mut view = view::view(graph, a, b, &best)?;
+        view.space = options
+            .heights
+            .map(|heights| space::space(graph, a, b, &view.portals, &heights));
+        return Some(Explanation::Visible(view));
     }
     let [from, to] = options
         .points

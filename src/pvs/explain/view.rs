@@ -16,6 +16,7 @@ use glam::DVec2;
 use super::chain::{self, Best};
 use super::corner::{Corner, corner_at, corners_of};
 use super::segment::{Point, Segment, on_line};
+use super::space::Space;
 use super::strip::{self, Strip};
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
@@ -40,6 +41,8 @@ pub struct View {
     pub complete: bool,
     /// Steps of the search.
     pub steps: u64,
+    /// Whether they see each other in space, if that was asked.
+    pub space: Option<Space>,
 }
 
 /// The nearest wall beside a strip.
@@ -105,6 +108,7 @@ pub fn view(graph: &CellGraph, a: CellId, b: CellId, best: &Best) -> Option<View
             slack: chained.width,
             complete: best.complete,
             steps: best.steps,
+            space: None,
         })
     })
 }

@@ -31,6 +31,16 @@ pub(super) struct Gate {
     pub top: f64,
 }
 
+impl Gate {
+    /// As the plan sees it.
+    pub fn ends(&self) -> crate::sight::Gate {
+        crate::sight::Gate {
+            left: self.left.id,
+            right: self.right.id,
+        }
+    }
+}
+
 /// What is known of a chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
@@ -344,7 +354,7 @@ fn stop_together(one: &Values, other: &Values) -> bool {
             least = least.max(-p.hi / q.hi);
         }
     }
-    if !(least < most) {
+    if least.partial_cmp(&most) != Some(std::cmp::Ordering::Less) {
         return false;
     }
     let factor = Interval::point(match most {

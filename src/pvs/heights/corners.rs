@@ -1,7 +1,7 @@
 //! The lines that stab a chain on the plan, as sums of the few that bound them.
 //!
 //! A directed line is a vector (a, b, c), and the lines that stab a chain are the sums, with weights
-//! above zero, of the lines in the corners of a polygon ([`crate::sight::funnel::Funnel::corners`]).
+//! above zero, of the lines in the corners of a polygon, each of which touches two ends of portals.
 //! What is linear in the vector (how steeply a line crosses a portal; on which side of a place it
 //! passes, and how far) need only be known in the corners.
 
@@ -62,7 +62,7 @@ impl Corners {
             on(r) && on(s)
         };
         let mut lines: SmallVec<[[Placed; 2]; 8]> = SmallVec::new();
-        for line in funnel.corners() {
+        for line in bounding_lines(funnel) {
             if lines.last().is_none_or(|before| !same(before, &line)) {
                 lines.push(line);
             }
@@ -102,6 +102,25 @@ impl Corners {
         let turn = DVec2::new(q[0] - p[0], q[1] - p[1]).length();
         (turn * self.size).max((q[2] - p[2]).abs())
     }
+}
+
+/// The lines that touch two ends of portals and bound the stabbing lines, in order around the polygon:
+/// the counterclockwise-most, those along the left ends, the clockwise-most, those along the right
+/// ends. Each leads from an earlier end in the chain to a later one.
+fn bounding_lines(funnel: &Funnel) -> impl Iterator<Item = [Placed; 2]> {
+    let (left, right) = (funnel.left_bounds(), funnel.right_bounds());
+    let along = |ends: &'_ [Placed]| -> SmallVec<[[Placed; 2]; 4]> {
+        ends.windows(2).rev().map(|w| [w[0], w[1]]).collect()
+    };
+    let (ccw, cw) = (
+        [right[0], left[left.len() - 1]],
+        [left[0], right[right.len() - 1]],
+    );
+    [ccw]
+        .into_iter()
+        .chain(along(left))
+        .chain([cw])
+        .chain(along(right))
 }
 
 /// The largest power of two not above a number of any size that lengths on the grid have.

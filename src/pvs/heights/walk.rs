@@ -346,8 +346,9 @@ impl<'a> Walk<'a> {
         let vertices = &self.mesh.flat.graph.vertices;
         let gates = &self.gates[..=m];
         self.part.begin(gates[0].left, gates[0].right);
-        for gate in &gates[1..] {
-            self.part.push(vertices, gate.left, gate.right);
+        for pair in gates.windows(2) {
+            self.part
+                .extend_past(vertices, pair[0].ends(), [pair[1].left, pair[1].right]);
         }
         let verdict = self.inquiry.ask(gates, &self.part, self.splits);
         self.links[m].verdict = Some(verdict);

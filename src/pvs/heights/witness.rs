@@ -100,13 +100,15 @@ pub fn through(graph: &CellGraph, chain: &[EdgeId], options: &HeightsOptions) ->
         };
         let gate = mesh.gate(edge.0);
         let continues = cell.is_none_or(|cell| graph.edge(edge).cell == cell);
-        let stabbed = if gates.is_empty() {
-            funnel.begin(gate.left, gate.right);
-            true
-        } else {
-            funnel
-                .push(&graph.vertices, gate.left, gate.right)
-                .is_some()
+        let ends = [gate.left, gate.right];
+        let stabbed = match gates.last() {
+            None => {
+                funnel.begin(gate.left, gate.right);
+                true
+            }
+            Some(last) => funnel
+                .extend_past(&graph.vertices, last.ends(), ends)
+                .is_some(),
         };
         if !continues || !stabbed {
             return ChainAnswer::BlockedOnPlan;

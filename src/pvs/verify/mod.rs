@@ -34,9 +34,9 @@ mod tests;
 
 use std::fmt;
 
-pub use caster::{Caster, Place};
-
 use glam::DVec3;
+
+pub use caster::{Caster, Place};
 
 use super::file::{LevelInfo, PvsFile};
 use super::{Class, Progress};

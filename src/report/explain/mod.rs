@@ -13,6 +13,7 @@
 //! | `level` | `name`, `source`, `unit` |
 //! | `subdivision`, `doors` | as in the JSON of `build` |
 //! | `from`, `to` | `cell`, `sector`, `room` (its name); `point` if one was given, and `beside`, another cell on whose border it lies |
+//! | `heights` | whether floors and ceilings count |
 //! | `visible` | whether some straight line from inside the one cell to inside the other is free |
 //! | `straight` | of two points: `free`; otherwise `point` where the line between them first meets a wall, that `wall`, and `touches`: whether it only touches walls |
 //! | `view` | of visible cells: see below |
@@ -26,7 +27,10 @@
 //! that lets a wider one through came to its end; the ends that bound it on its `left` and `right`;
 //! where those are only corners of the two cells, the nearest `end` of a wall on that side and its
 //! `distance` from the strip (`beside_left`, `beside_right`); and the `cells` and `portals` that the
-//! sightline crosses.
+//! sightline crosses. All this is on the plan. With heights, `space` has the `answer` (`visible`,
+//! `hidden`, or `undecided`, which counts as visible), a `segment` in space and the `portals` that it
+//! passes; or the openings that hide the one cell from the other (`blocked_by`, at most three; none
+//! if they are different ones for different lines).
 //!
 //! A **way** is the shortest: its `points` and `length`, the `bends` about which it turns, its `cells`
 //! and `portals`; `stop`, the position in `portals` of the first one behind which nothing is seen from
@@ -36,7 +40,7 @@
 //!
 //! A **portal** has its `kind` (`door`, `window`, `archway`, `sector edge`, or `border` where only the
 //! subdivision cut), the opening's `name`, the `wall` that it is cut into or consists of, its `cells`,
-//! their `rooms`, its `segment`, and the `point` where it is crossed. An **end** has its `point`, its
+//! their `rooms`, its `opening` in z (all that moves out of the way), its `segment`, and the `point` where it is crossed. An **end** has its `point`, its
 //! `kind` (`corner`, `wall`, or `cell corner` where no wall stands), the `walls` there, and the
 //! `opening` that ends there, if one does. A **wall** has its `place` in the source, its ends
 //! `from` and `to`, and the `room` of whose outline it is a part.
@@ -54,7 +58,7 @@ use crate::cells::{CellGraph, CellId, Doors, EdgeId, Locator, Options, subdivide
 use crate::geom::GridPoint;
 use crate::level::Level;
 use crate::pvs::explain::{
-    self, Beside, ExplainOptions, Explanation, Hidden, Segment, Straight, View,
+    self, Beside, ExplainOptions, Explanation, Hidden, Segment, Space, Straight, View,
 };
 use crate::pvs::sweep::sweep;
 use crate::pvs::{Progress, Pvs};
@@ -81,14 +85,17 @@ pub struct Explained {
     pub straight: Option<Straight>,
     /// Of hidden cells: the view to the last cell on the way that is seen.
     pub farthest: Option<View>,
+    /// Whether floors and ceilings counted.
+    pub heights: bool,
 }
 
-/// Explains what the exact `pvs` says of two places. `None` only if `pvs` is not the graph's.
+/// Explains what the exact `pvs` says of two places; the options' points are the places' own. `None`
+/// only if `pvs` is not the graph's.
 pub fn explain(
     graph: &CellGraph,
     pvs: &Pvs,
     asked: [Asked; 2],
-    max_steps: u64,
+    options: &ExplainOptions,
 ) -> Option<Explained> {
     let [a, b] = asked.map(|place| place.cell);
     let at = |place: Asked| match place.point {
@@ -96,8 +103,8 @@ pub fn explain(
         None => explain::middle(graph, place.cell),
     };
     let options = ExplainOptions {
-        max_steps,
         points: Some(asked.map(at)),
+        ..*options
     };
     let explanation = explain::explain(graph, pvs, a, b, &options)?;
     let straight = match asked.map(|place| place.point) {
@@ -107,7 +114,12 @@ pub fn explain(
     let farthest = match &explanation {
         Explanation::Hidden(hidden) => {
             let seen = explain::last_cell(graph, a, &hidden.way.portals[..hidden.stop]);
-            match explain::explain(graph, pvs, a, seen, &options)? {
+            let on_plan = ExplainOptions {
+                heights: None,
+                points: None,
+                ..options
+            };
+            match explain::explain(graph, pvs, a, seen, &on_plan)? {
                 Explanation::Visible(view) => Some(view),
                 _ => None,
             }
@@ -119,6 +131,7 @@ pub fn explain(
         explanation,
         straight,
         farthest,
+        heights: options.heights.is_some(),
     })
 }
 
@@ -130,6 +143,7 @@ pub struct Account {
     level: LevelRecord,
     subdivision: &'static str,
     doors: &'static str,
+    heights: bool,
     from: PlaceRecord,
     to: PlaceRecord,
     /// Whether the two cells see each other.
@@ -179,6 +193,15 @@ struct ViewRecord {
     beside_right: Option<BesideRecord>,
     cells: Vec<u32>,
     portals: Vec<PortalRecord>,
+    space: Option<SpaceRecord>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct SpaceRecord {
+    answer: &'static str,
+    segment: Option<[[f64; 3]; 2]>,
+    portals: Vec<PortalRecord>,
+    blocked_by: Vec<PortalRecord>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -228,14 +251,14 @@ impl Account {
         };
         let [from, to] = explained.asked.each_ref().map(place);
         let start = explained.asked[0].cell;
-        let (visible, connected, view, way) = match &explained.explanation {
-            Explanation::Same => (true, true, None, None),
-            Explanation::Visible(view) => (true, true, Some(names.view(start, view)), None),
+        let (connected, view, way) = match &explained.explanation {
+            Explanation::Same => (true, None, None),
+            Explanation::Visible(view) => (true, Some(names.view(start, view)), None),
             Explanation::Hidden(hidden) => {
                 let farthest = explained.farthest.as_ref();
-                (false, true, None, Some(names.way(start, hidden, farthest)))
+                (true, None, Some(names.way(start, hidden, farthest)))
             }
-            Explanation::Apart => (false, false, None, None),
+            Explanation::Apart => (false, None, None),
         };
         Account {
             format: "enfilade.explanation",
@@ -247,9 +270,10 @@ impl Account {
             },
             subdivision: graph.options.subdivision.as_str(),
             doors: graph.options.doors.as_str(),
+            heights: explained.heights,
             from,
             to,
-            visible,
+            visible: explained.explanation.sees(),
             straight: explained.straight.map(|s| names.straight(&s)),
             view,
             way,
@@ -265,13 +289,13 @@ pub fn with_open_doors(
     level: &Level,
     graph: &CellGraph,
     asked: [Asked; 2],
-    max_steps: u64,
+    options: &ExplainOptions,
 ) -> Option<OpenRecord> {
-    let options = Options {
+    let doors_open = Options {
         doors: Doors::Open,
         ..graph.options
     };
-    let open = subdivide(level, &options);
+    let open = subdivide(level, &doors_open);
     let pvs = sweep(&open, &Progress::default());
     let locator = Locator::new(&open);
     let mut cells = [Vec::new(), Vec::new()];
@@ -285,7 +309,7 @@ pub fn with_open_doors(
     }
     let [a, b] = asked::choose(&pvs, &cells[0], &cells[1])?;
     let asked = [Asked::new(a, points[0], &[]), Asked::new(b, points[1], &[])];
-    let explained = explain(&open, &pvs, asked, max_steps)?;
+    let explained = explain(&open, &pvs, asked, options)?;
     Some(OpenRecord::of(level, &open, &explained))
 }
 
@@ -293,15 +317,15 @@ impl OpenRecord {
     /// Of an explanation in a graph of the same level in which doors are open.
     fn of(level: &Level, graph: &CellGraph, explained: &Explained) -> OpenRecord {
         let names = Names { level, graph };
-        let (visible, connected, portals) = match &explained.explanation {
-            Explanation::Same => (true, true, &[][..]),
-            Explanation::Visible(view) => (true, true, &view.portals[..]),
-            Explanation::Hidden(hidden) => (false, true, &hidden.way.portals[..]),
-            Explanation::Apart => (false, false, &[][..]),
+        let (connected, portals) = match &explained.explanation {
+            Explanation::Same => (true, &[][..]),
+            Explanation::Visible(view) => (true, &view.portals[..]),
+            Explanation::Hidden(hidden) => (true, &hidden.way.portals[..]),
+            Explanation::Apart => (false, &[][..]),
         };
         let doors = portals.iter().filter(|&&e| names.is_shut(e));
         OpenRecord {
-            visible,
+            visible: explained.explanation.sees(),
             connected,
             doors: doors.map(|&e| names.portal(e, None)).collect(),
         }
@@ -324,7 +348,36 @@ impl Names<'_> {
             beside_right: self.beside(view.beside[1].as_ref()),
             cells: self.cells(start, &view.portals),
             portals: self.portals(&view.portals, &line),
+            space: view.space.as_ref().map(|s| self.space(s)),
         }
+    }
+
+    fn space(&self, space: &Space) -> SpaceRecord {
+        let mut record = SpaceRecord {
+            answer: "undecided",
+            segment: None,
+            portals: Vec::new(),
+            blocked_by: Vec::new(),
+        };
+        match space {
+            Space::Seen(passage) => {
+                record.answer = "visible";
+                record.segment = passage.segment.map(|ends| {
+                    ends.map(|p| {
+                        let [x, y] = self.at(p.truncate());
+                        [x, y, p.z]
+                    })
+                });
+                let line = passage.segment.map(|ends| ends.map(|p| p.truncate()));
+                record.portals = self.portals(&passage.chain, line.as_ref().map_or(&[], |l| l));
+            }
+            Space::Blocked(openings) => {
+                record.answer = "hidden";
+                record.blocked_by = openings.iter().map(|&e| self.portal(e, None)).collect();
+            }
+            Space::Undecided => {}
+        }
+        record
     }
 
     fn beside(&self, beside: Option<&Beside>) -> Option<BesideRecord> {

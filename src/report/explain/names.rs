@@ -25,6 +25,8 @@ pub struct PortalRecord {
     pub cells: [u32; 2],
     /// Their rooms or sectors.
     pub rooms: [Option<String>; 2],
+    /// Lower and upper end of the opening in z, with all that moves out of the way.
+    pub opening: Option<[f64; 2]>,
     /// Its ends.
     pub segment: [[f64; 2]; 2],
     /// Where it is crossed, or else its middle.
@@ -163,9 +165,18 @@ impl Names<'_> {
             wall: wall.map(|w| self.wall_record(w)),
             cells: cells.map(|c| c.0),
             rooms: cells.map(|c| self.room(c)),
+            opening: self.opening(edge),
             segment: [p, q].map(|p| self.at(p)),
             point: self.at(crossed.unwrap_or_else(|| p.midpoint(q))),
         }
+    }
+
+    fn opening(&self, edge: EdgeId) -> Option<[f64; 2]> {
+        let first = edge.min(self.graph.edge(edge).twin()?);
+        let portals = &self.graph.portals;
+        let at = portals.binary_search_by_key(&first, |p| p.edges[0]).ok()?;
+        let (bottom, top) = portals[at].widest?;
+        Some([bottom, top])
     }
 
     /// Several ends.

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use super::names::{EndRecord, OpeningRecord, PortalRecord, WallRecord};
-use super::{Account, OpenRecord, PlaceRecord, StraightRecord, ViewRecord, WayRecord};
+use super::{Account, OpenRecord, PlaceRecord, SpaceRecord, StraightRecord, ViewRecord, WayRecord};
 use crate::level::{Level, Place};
 use crate::report::wording::{coordinate, count_of, length, unit};
 
@@ -33,7 +33,12 @@ pub fn of(level: &Level, account: &Account) -> String {
         "Not visible"
     };
     lines.head(&format!("{title}: from {from} to {to}."));
-    let said = if account.visible {
+    let space = account.view.as_ref().and_then(|v| v.space.as_ref());
+    let said = if space.is_some_and(|s| s.answer == "undecided") {
+        "on the plan some straight line is free; whether one clears all floors and ceilings is not known"
+    } else if !account.visible && space.is_some() {
+        "on the plan some straight line is free, but none clears all floors and ceilings"
+    } else if account.visible {
         "some straight line from the one to the other is free"
     } else if account.connected {
         "every straight line from the one to the other meets a wall"
@@ -117,6 +122,9 @@ impl Words<'_> {
             &format!("{from} to {to}, {} long", self.length(view.length)),
         );
         self.portals(lines, "through", &view.portals, None);
+        if let Some(space) = &view.space {
+            self.space(lines, space);
+        }
         let width = self.length(view.width);
         let widest = if view.widest {
             ""
@@ -146,6 +154,43 @@ impl Words<'_> {
                 ),
             };
             lines.say(about, &text);
+        }
+    }
+
+    fn space(&self, lines: &mut Lines, space: &SpaceRecord) {
+        if let Some(ends) = space.segment {
+            let [from, to] = ends.map(|[x, y, z]| {
+                let plan = self.point([x, y]);
+                format!("{} high at {plan}", self.length(z))
+            });
+            lines.say("In space", &format!("from {from} to {to}"));
+        }
+        if !space.blocked_by.is_empty() {
+            let items: Vec<String> = space.blocked_by.iter().map(|p| self.opening(p)).collect();
+            lines.list("Blocked by", &items);
+            lines.say(
+                "",
+                "no straight line clears all of these; all other ways fail as well",
+            );
+        } else if space.answer == "hidden" {
+            lines.say(
+                "Blocked by",
+                "different openings for different lines; all ways fail",
+            );
+        }
+    }
+
+    /// A portal with its opening in height.
+    fn opening(&self, portal: &PortalRecord) -> String {
+        match portal.opening {
+            Some([bottom, top]) if bottom < top => format!(
+                "{}, open from {} to {}",
+                self.portal(portal),
+                length(bottom),
+                self.length(top)
+            ),
+            Some(_) => format!("{}, which has no height", self.portal(portal)),
+            None => self.portal(portal),
         }
     }
 
@@ -297,7 +342,7 @@ impl Words<'_> {
     fn end(&self, end: &EndRecord) -> String {
         let at = self.point(end.point);
         if let Some(opening) = &end.opening {
-            return format!("the side of {} at {at}", self.opening(opening));
+            return format!("the side of {} at {at}", self.named(opening));
         }
         let places: Vec<String> = end.walls.iter().take(2).map(|w| place(&w.place)).collect();
         let places = if places.is_empty() {
@@ -313,7 +358,7 @@ impl Words<'_> {
         }
     }
 
-    fn opening(&self, opening: &OpeningRecord) -> String {
+    fn named(&self, opening: &OpeningRecord) -> String {
         let kind = opening.kind;
         match (&opening.name, &opening.rooms[..]) {
             (Some(name), _) => format!("the {kind} \"{name}\""),

@@ -16,7 +16,7 @@ use super::{names, palette, text};
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::VertexId;
 use crate::level::Level;
-use crate::pvs::explain::{Explanation, Hidden, Straight, View, last_cell, middle};
+use crate::pvs::explain::{Explanation, Hidden, Space, Straight, View, last_cell, middle};
 use crate::report::explain::{Explained, prolonged};
 use crate::report::picture::FONT;
 use crate::report::wording::in_sector;
@@ -98,6 +98,8 @@ struct Scene {
     /// How many of them the first cell sees.
     seen: usize,
     portals: Vec<EdgeId>,
+    /// Openings too low or too high for sight in space.
+    blocking: Vec<EdgeId>,
     /// Where the two places are.
     ends: [DVec2; 2],
     /// Corners of the bundle of sightlines.
@@ -120,6 +122,7 @@ impl Scene {
             cells: vec![a, b],
             seen: 2,
             portals: Vec::new(),
+            blocking: Vec::new(),
             ends: [a, b].map(|cell| middle(graph, cell)),
             bundle: None,
             bounds: [Vec::new(), Vec::new()],
@@ -149,6 +152,9 @@ impl Scene {
 
     fn add_view(&mut self, graph: &CellGraph, [a, b]: [CellId; 2], view: &View) {
         self.portals = view.portals.clone();
+        if let Some(Space::Blocked(openings)) = &view.space {
+            self.blocking = openings.clone();
+        }
         self.cells = along(graph, a, &view.portals);
         self.seen = self.cells.len();
         self.ends = [&view.segment.from, &view.segment.to].map(|p| p.approx());
@@ -271,6 +277,10 @@ impl Draw<'_> {
             data.polygon(&self.on_page(bundle));
             let band = Path::new().set("d", data.0).set("fill", palette::SIGHT);
             group = group.add(band.set("fill-opacity", 0.22));
+        }
+        for ends in self.scene.blocking.iter().map(ends_of) {
+            let line = self.line(&ends, palette::BOUND[0], self.thick.max(1.8) * 3.0);
+            group = group.add(line.set("stroke-opacity", 0.6));
         }
         for ends in self.scene.portals.iter().map(ends_of) {
             let line = self.line(&ends, palette::PASSED, self.thick.max(1.4));
@@ -461,7 +471,20 @@ impl Draw<'_> {
             .map(|p| format!("cell {}{}", p.cell.0, in_sector(level, self.graph, p.cell)));
         let answer = match &self.explained.explanation {
             Explanation::Same => format!("A and B lie in one cell: {a}"),
-            Explanation::Visible(_) => format!("A, {a}, sees B, {b}"),
+            Explanation::Visible(view) => match view.space {
+                None => format!("A, {a}, sees B, {b}"),
+                Some(Space::Seen(_)) => {
+                    format!("A, {a}, sees B, {b}, above floors and below ceilings")
+                }
+                Some(Space::Blocked(_)) => {
+                    format!("Floors and ceilings hide A, {a}, from B, {b}; on the plan it is seen")
+                }
+                Some(Space::Undecided) => {
+                    format!(
+                        "On the plan A, {a}, sees B, {b}; whether it does in space is not known"
+                    )
+                }
+            },
             Explanation::Hidden(_) => format!("A, {a}, does not see B, {b}"),
             Explanation::Apart => format!("No way leads from A, {a}, to B, {b}"),
         };
@@ -504,6 +527,9 @@ impl Draw<'_> {
                 ("no line leaves these on its left …", Swatch::Dot(left)),
                 ("… and these on its right", Swatch::Dot(right)),
             ]),
+        }
+        if !self.scene.blocking.is_empty() {
+            items.push(("openings that block it", stroke(left, 4.0, "")));
         }
         if self.explained.straight.is_some() {
             items.push(("straight from A to B", stroke(palette::WALL, 1.1, "6 4")));

@@ -41,6 +41,12 @@ pub const PASSED: &str = "#0b8f86";
 pub const WAY: &str = "#5a4636";
 /// What stops or bounds sight on its left, and on its right.
 pub const BOUND: [&str; 2] = ["#c4202f", "#e07b00"];
+/// For an eye: cells in view, further cells of the PVS, and all others.
+pub const EYE_VIEW: [&str; 3] = ["#a9cff3", "#cbe6b4", "#f2f1ed"];
+/// The ground that an eye sees.
+pub const IN_SIGHT: &str = "#4db5ad";
+/// The eye, and the edges of its cone.
+pub const EYE: &str = "#0b4f4c";
 
 /// A colour for each sector. Sectors that share a corner differ as far as the colours go; the same
 /// level gets the same colours.

@@ -6,19 +6,23 @@ use serde_json::{Value, json};
 
 use super::statement::Wrong;
 use super::{Answer, Answered, Given, METHODS, Outcome, Row, StabilityOptions};
+use crate::level::wording::grouped;
 use crate::pvs::{Class, Method};
 
 /// How to read the table.
 const LEGEND: &str = "\
 Each case is a level whose comment derives the answer by hand. *exact* are `sweep` and `search`, \
-which must agree; *lp* is the linear programme and *flow* the Quake tools' portal flow, both in \
-floating point. `ok`: right on all statements and on all pairs of cells. Otherwise a cell tells which \
-statements are answered wrongly, and how many ordered pairs of cells are missed (they see each other, \
-but the method says no) or invented (the other way round), among the number in *visible pairs*.";
+which must agree; *lp* is the linear programme and *flow* the Quake tools' portal flow with their \
+customary epsilon of a tenth of a map unit (3 mm), both in floating point. `ok`: right on all \
+statements and on all pairs of cells. Otherwise a cell tells how many statements are answered wrongly, \
+with the first of them, and how many ordered pairs of cells are missed (they see each other, but the \
+method says no) or invented (the other way round), where so many see each other as *visible pairs* says. \
+The linear programme is not asked where it would take long";
 
 /// The table, a sentence above it that says how to read it, and the totals as its last line.
-pub fn markdown(rows: &[Row]) -> String {
-    let mut out = format!("{LEGEND}\n\n");
+pub fn markdown(rows: &[Row], options: &StabilityOptions) -> String {
+    let limit = grouped(options.lp_steps);
+    let mut out = format!("{LEGEND}: over more than {limit} chains of portals.\n\n");
     out += "| case | what it shows | statements | visible pairs | exact | lp | flow |\n";
     out += "|---|---|---:|---:|---|---|---|\n";
     for row in rows {
@@ -67,7 +71,7 @@ fn totals(rows: &[Row]) -> String {
         let (mut wrong, mut statements, mut open) = (0, 0, 0);
         for answer in answers {
             match answer {
-                Answer::GaveUp => open += 1,
+                Answer::GaveUp | Answer::NotAsked => open += 1,
                 Answer::Given(given) => {
                     wrong += usize::from(!given.is_right());
                     statements += given.wrong.len();
@@ -77,13 +81,10 @@ fn totals(rows: &[Row]) -> String {
                 }
             }
         }
-        let mut parts = vec![
-            format!("{wrong} cases wrong"),
-            format!("{statements} statements"),
-        ];
+        let mut parts = vec![format!("**{wrong} wrong**: {statements} statements")];
         parts.extend(of_pairs(&sum));
         if open > 0 {
-            parts.push(format!("{open} given up"));
+            parts.push(format!("{open} not asked"));
         }
         parts.join(", ")
     };
@@ -122,7 +123,8 @@ fn index(method: Method) -> usize {
 
 fn of_answer(answered: &Answered, method: Method, statements: usize) -> String {
     match &answered.methods[index(method)] {
-        Answer::GaveUp => "gave up: too many steps".to_string(),
+        Answer::GaveUp => "gave up".to_string(),
+        Answer::NotAsked => "not asked".to_string(),
         Answer::Given(given) if given.is_right() => "ok".to_string(),
         Answer::Given(given) => {
             let mut parts = Vec::new();
@@ -181,7 +183,7 @@ pub fn json(rows: &[Row], options: &StabilityOptions) -> Value {
                 });
                 for (method, answer) in METHODS.iter().zip(&answered.methods) {
                     more[method.as_str()] = match answer {
-                        Answer::GaveUp => Value::Null,
+                        Answer::GaveUp | Answer::NotAsked => Value::Null,
                         Answer::Given(given) => json!({
                             "wrong": list(&given.wrong),
                             "missed": given.missed,
@@ -203,23 +205,11 @@ pub fn json(rows: &[Row], options: &StabilityOptions) -> Value {
         "version": 1,
         "subdivision": options.subdivision.as_str(),
         "max_steps": options.max_steps,
+        "lp_steps": options.lp_steps,
         "cases": cases.collect::<Vec<_>>(),
     })
 }
 
 fn list(wrong: &[Wrong]) -> Vec<&str> {
     wrong.iter().map(|w| w.instead.as_str()).collect()
-}
-
-/// `15,123,456`
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
-    }
-    out
 }

@@ -116,10 +116,10 @@ pub fn methods(results: &Results) -> String {
             text += &floating(run, answer);
         }
     }
-    if let Some((_, answer)) = find(results, Method::Flood) {
-        if answer.accuracy.overestimate > 0.0 {
-            text += " Pick flood only where connected is as good as visible.";
-        }
+    if let Some((_, answer)) = find(results, Method::Flood)
+        && answer.accuracy.overestimate > 0.0
+    {
+        text += " Pick flood only where connected is as good as visible.";
     }
     text
 }
@@ -162,7 +162,7 @@ pub fn others(results: &Results) -> Vec<String> {
 fn floating(run: &Run, answer: &Answer) -> String {
     let name = subject(run);
     let (invented, missed) = (answer.accuracy.invented, answer.accuracy.missed);
-    let time = run.relative.map_or(String::new(), |r| compared(r));
+    let time = run.relative.map_or(String::new(), compared);
     let wrong = match (missed, invented) {
         (0, 0) => "gets every pair right here, though nothing promises that".to_string(),
         (m, 0) => format!("misses {}", pairs(m)),

@@ -62,6 +62,7 @@ pub(super) fn look_up(
         confirmed: false,
     };
     let options = ExplainOptions {
+        heights: None,
         max_steps: STEPS,
         points: None,
     };

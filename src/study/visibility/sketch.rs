@@ -160,7 +160,12 @@ pub(super) struct Pair {
 pub(super) fn pair(graph: &CellGraph, pair: &Pair, about: &str) -> Markup {
     let corners = pair.cells.into_iter().flat_map(|c| graph.polygon(c));
     let points = corners.map(|v| graph.vertices.approx(v));
-    let further = pair.sight.iter().flatten().chain(&pair.way).chain(&pair.ends);
+    let further = pair
+        .sight
+        .iter()
+        .flatten()
+        .chain(&pair.way)
+        .chain(&pair.ends);
     let (low, high) = extent(points.chain(further.copied()));
     // All such pictures have the same shape, so that they stand well side by side.
     let size = (high - low) * 1.2;
