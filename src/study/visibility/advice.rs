@@ -308,7 +308,10 @@ pub fn heights(heights: &Heights) -> String {
     };
     if least == 0.0 {
         let enough = duration(median(run));
-        text += &format!(" {} decide every pair, in {enough}: pick no more.", capital(&splits(run)));
+        text += &format!(
+            " {} decide every pair, in {enough}: pick no more.",
+            capital(&splits(run))
+        );
         return text;
     }
     text += &format!(

@@ -77,7 +77,11 @@ fn cell(key: &str, answer: Option<&Answer>, text: impl Fn(&Answer) -> String) ->
 
 /// Says that a figure would have become smaller, had there been more time.
 fn at_most(run: &Run) -> &'static str {
-    if run.state == State::CutShort { "≤\u{202f}" } else { "" }
+    if run.state == State::CutShort {
+        "≤\u{202f}"
+    } else {
+        ""
+    }
 }
 
 /// How many pairs a run gets wrong in one way.
