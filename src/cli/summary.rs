@@ -168,6 +168,12 @@ pub fn table(head: &[&str], rows: &[&[String]]) -> String {
     out
 }
 
+/// `sweep (exact)`; with heights, `search (conservative) in space`.
+fn by_method(pvs: &Pvs) -> String {
+    let space = if pvs.heights { " in space" } else { "" };
+    format!("{} ({}){space}", pvs.method.as_str(), pvs.class.as_str())
+}
+
 fn title(level: &Level) -> String {
     format!("{} ({}, in {})\n", level.name, level.source, unit(level))
 }
