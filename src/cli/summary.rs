@@ -138,11 +138,18 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
     _ = writeln!(out, "{}", level_figures(level));
     let by = rows.first().map_or("", |row| &row.by);
     _ = writeln!(out, "visibility by {by}\n");
+    let rows: Vec<&[String]> = rows.iter().map(|r| &r.cells[..]).collect();
+    out + &table(&head, &rows)
+}
+
+/// Rows under a head; the first column to the left, the others to the right.
+pub fn table(head: &[&str], rows: &[&[String]]) -> String {
     let width = |i: usize| {
-        let cells = rows.iter().map(|r| r.cells[i].chars().count());
-        cells.chain([head[i].len()]).max().unwrap_or(0)
+        let cells = rows.iter().map(|row| row[i].chars().count());
+        cells.chain([head[i].chars().count()]).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let mut out = String::new();
     let mut line = |cells: &[&str]| {
         for (i, cell) in cells.iter().enumerate() {
             let pad = " ".repeat(widths[i] - cell.chars().count());
@@ -154,9 +161,9 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
         }
         out.push('\n');
     };
-    line(&head);
+    line(head);
     for row in rows {
-        line(&row.cells.each_ref().map(String::as_str));
+        line(&row.iter().map(String::as_str).collect::<Vec<_>>());
     }
     out
 }

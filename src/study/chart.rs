@@ -156,7 +156,7 @@ pub fn draw(chart: &Chart) -> Markup {
         end: WIDTH - RIGHT,
     };
     let floor = HEIGHT - BOTTOM - BAND;
-    let (least, most) = extent(points().map(|p| p.error)).unwrap_or((1e-4, 1.0));
+    let (least, most) = extent(points().map(|p| p.error)).unwrap_or((2e-3, 0.5));
     let y = Log {
         from: 10f64.powf((least / 1.3).log10().floor()),
         to: 10f64.powf((most * 1.3).log10().ceil()),

@@ -44,7 +44,9 @@ fn study(level: &str, further: &[&str]) -> Studied {
 
 /// A text's number: `12,345`, `0.0021 %`, `× 12`, and times in seconds. NaN where there is none.
 fn number(text: &str) -> f64 {
-    let text = text.replace(',', "").replace(['\u{202f}', '×'], " ");
+    let text = text
+        .replace([',', '≤', '>'], "")
+        .replace(['\u{202f}', '×'], " ");
     let mut parts = text.split_whitespace();
     let Some(value) = parts.next().and_then(|n| n.parse::<f64>().ok()) else {
         return f64::NAN;

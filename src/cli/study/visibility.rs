@@ -12,10 +12,11 @@ use rayon::ThreadPool;
 use crate::cells::Options;
 use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use crate::cli::output::{self, Output};
-use crate::cli::{Answer, Memory, complain, compute, progress};
-use crate::level::wording::duration;
+use crate::cli::{Answer, Memory, complain, compute, progress, summary};
+use crate::level::wording::{duration, grouped};
 use crate::pvs::Progress;
-use crate::study::visibility::{Bench, Cost, StudyOptions, advice, page, study};
+use crate::study::visibility::{Answer as Figures, Bench, Cost, Results, Run, StudyOptions};
+use crate::study::visibility::{advice, page, study};
 
 /// Compare all methods on one level: what each gains, loses and costs.
 ///
@@ -113,12 +114,7 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
         for note in &study.results.notes {
             complain(&format!("note: {note}"));
         }
-        let summary = format!(
-            "{}: studied for {}\n{}\n",
-            level.name,
-            duration(study.results.seconds),
-            advice::exact(&study.results),
-        );
+        let summary = in_words(&study.results);
         if paths.into_iter().flatten().any(output::is_stdout) {
             complain(summary.trim_end());
         } else {
@@ -126,6 +122,46 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
         }
     }
     Ok(Answer::Yes)
+}
+
+/// The methods in a table, and which to pick.
+fn in_words(results: &Results) -> String {
+    let head = [
+        "",
+        "class",
+        "time",
+        "relative",
+        "pairs",
+        "overestimate",
+        "underestimate",
+        "wrong pairs",
+    ];
+    let row = |run: &Run| {
+        let answer = |text: fn(&Figures) -> String| match &run.answer {
+            Some(answer) => text(answer),
+            None => "-".to_string(),
+        };
+        [
+            run.label.clone(),
+            run.class.to_string(),
+            run.seconds.map_or("-".to_string(), |s| duration(s.median)),
+            run.relative.map_or("-".to_string(), |r| format!("{r:.2}")),
+            answer(|a| grouped(a.pairs)),
+            answer(|a| format!("{:.4} %", a.accuracy.overestimate * 100.0)),
+            answer(|a| format!("{:.4} %", a.accuracy.underestimate * 100.0)),
+            answer(|a| grouped(a.accuracy.invented + a.accuracy.missed)),
+        ]
+    };
+    let rows: Vec<[String; 8]> = results.methods.iter().map(row).collect();
+    let rows: Vec<&[String]> = rows.iter().map(|row| &row[..]).collect();
+    format!(
+        "{} ({}), studied for {}\n\n{}\n{}\n",
+        results.level.name,
+        results.level.source,
+        duration(results.seconds),
+        summary::table(&head, &rows),
+        advice::exact(results)
+    )
 }
 
 /// What a study runs on: this computer.

@@ -21,7 +21,7 @@ pub(super) fn compared(ratio: f64) -> String {
         r if r >= 9.95 => format!("{r:.0} times as long"),
         r if r >= 1.25 => format!("{r:.1} times as long"),
         r if r > 0.8 => "about as long".to_string(),
-        r if r >= 0.45 => format!("{:.1} of the time", r),
+        r if r >= 0.55 => format!("{:.0}\u{202f}% of the time", r * 100.0),
         r if r >= 0.095 => format!("one {} of the time", part(1.0 / r)),
         r => format!("{} of the time", percent(r)),
     }
@@ -306,6 +306,14 @@ pub fn heights(heights: &Heights) -> String {
         let n = run.parameters.get("splits").copied().unwrap_or_default();
         count(n as usize, "split")
     };
+    if least == 0.0 {
+        let enough = duration(median(run));
+        text += &format!(
+            " {} decide every pair, in {enough}: pick no more.",
+            capital(&splits(run))
+        );
+        return text;
+    }
     text += &format!(
         " Pick {}: {} of the pairs stay undecided after {}",
         splits(run),

@@ -25,6 +25,22 @@ fn point(run: &Run, label: String, error: f64) -> Option<Point> {
     })
 }
 
+/// Points that are joined by a line. Where all lie on one height, their names would cover each other:
+/// the first and the last will do.
+fn joined(key: &'static str, points: impl Iterator<Item = Point>) -> Series {
+    let mut points: Vec<Point> = points.collect();
+    let n = points.len();
+    if points.iter().all(|p| p.error == points[0].error) {
+        let between = points.iter_mut().take(n.saturating_sub(1)).skip(1);
+        between.for_each(|p| p.label.clear());
+    }
+    Series {
+        key,
+        joined: true,
+        points,
+    }
+}
+
 /// A chart under its heading.
 fn figure(heading: &str, chart: &Chart) -> Markup {
     html! {
@@ -99,11 +115,7 @@ pub(super) fn of_samples(results: &Results) -> Markup {
                 on logarithmic axes"
                 .to_string(),
         y: "underestimate",
-        series: vec![Series {
-            key: "sample",
-            joined: true,
-            points: points.collect(),
-        }],
+        series: vec![joined("sample", points)],
         guides: guides.collect(),
     };
     html! { div.pair { (figure("Random sightlines from every cell, and what they miss", &chart)) } }
@@ -119,12 +131,9 @@ pub(super) fn of_heights(results: &Results, heights: &Heights) -> Markup {
         let n = run.parameters.get("splits").copied().unwrap_or_default();
         grouped(n as u64)
     };
-    let series = |error: fn(&Answer) -> f64| Series {
-        key: "heights",
-        joined: true,
-        points: runs()
-            .filter_map(|(run, answer)| point(run, splits(run), error(answer)))
-            .collect(),
+    let series = |error: fn(&Answer) -> f64| {
+        let points = runs().filter_map(move |(run, answer)| point(run, splits(run), error(answer)));
+        joined("heights", points)
     };
     let sweep = results.methods.iter().find(|r| r.method == "sweep");
     let planar = sweep.and_then(|run| {

@@ -167,9 +167,10 @@ pub(super) fn pair(graph: &CellGraph, pair: &Pair, about: &str) -> Markup {
         .chain(&pair.way)
         .chain(&pair.ends);
     let (low, high) = extent(points.chain(further.copied()));
-    // Not narrower than three fifths of the longer side.
-    let side = (high - low).max_element();
-    let margin = (DVec2::splat(side * 0.6) - (high - low)).max(DVec2::ZERO) / 2.0 + side * 0.1;
+    // All such pictures have the same shape, so that they stand well side by side.
+    let size = (high - low) * 1.2;
+    let width = size.x.max(size.y * 4.0 / 3.0);
+    let margin = (DVec2::new(width, width * 0.75) - (high - low)) / 2.0;
     let sheet = Sheet::new(graph, low - margin, high + margin);
     let one = |cell| sheet.cells(std::iter::once(cell));
     let chain = |points: &[DVec2]| {

@@ -263,7 +263,8 @@ impl Schedule<'_> {
         let cost = self.bench.run(Some(limit), work);
         let state = match &answer {
             None => State::GaveUp,
-            Some(_) if cost.stopped => State::CutShort,
+            // Some take no notice, and some were done all the same.
+            Some(pvs) if cost.stopped && pvs.undecided > 0 => State::CutShort,
             Some(_) => State::Complete,
         };
         trial.note(cost, state);

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::accuracy::Accuracy;
 use super::record::{Answer, Heights, Results, Run, Spread, State};
 use crate::level::wording::{duration, grouped};
 use crate::study::chart::percent;
@@ -69,19 +70,33 @@ fn name(run: &Run) -> Markup {
     }
 }
 
-/// What follows the name in every table of runs: figures of the answer, or dashes.
+/// What follows the name in every table of runs: a figure of the answer, or a dash.
 fn cell(key: &str, answer: Option<&Answer>, text: impl Fn(&Answer) -> String) -> Markup {
     html! { td data-key=(key) { @match answer { Some(a) => (text(a)), None => "–" } } }
 }
 
+/// Says that a figure would have become smaller, had there been more time.
+fn at_most(run: &Run) -> &'static str {
+    if run.state == State::CutShort {
+        "≤\u{202f}"
+    } else {
+        ""
+    }
+}
+
 /// How many pairs a run gets wrong in one way.
-fn wrong(key: &str, answer: Option<&Answer>, count: fn(&Answer) -> u64) -> Markup {
+fn wrong(key: &str, run: Option<&Run>, count: fn(&Accuracy) -> u64) -> Markup {
+    let answer = run.and_then(|r| Some((r, r.answer.as_ref()?)));
     html! {
         td data-key=(key) {
-            @match answer.map(count) {
+            @match answer.map(|(run, a)| (run, count(&a.accuracy))) {
                 None => "–",
-                Some(0) => span.good { "0" },
-                Some(n) => (grouped(n)),
+                Some((_, 0)) => span.good { "0" },
+                // What is open still may turn out to be hidden, or visible indeed.
+                Some((run, n)) => {
+                    @if key != "missed" { (at_most(run)) }
+                    (grouped(n))
+                }
             }
         }
     }
@@ -114,15 +129,16 @@ fn method(run: &Run) -> Markup {
             td data-key="median" { (time(run.seconds)) }
             td data-key="relative" {
                 @match run.relative {
-                    Some(r) if answer.is_some() => { "×\u{202f}" (factor(r)) }
+                    Some(r) if run.state == State::Complete => { "×\u{202f}" (factor(r)) }
+                    Some(r) if answer.is_some() => { ">\u{202f}×\u{202f}" (factor(r)) }
                     _ => "–",
                 }
             }
             (cell("pairs", answer, |a| grouped(a.pairs)))
-            (cell("overestimate", answer, |a| percent(a.accuracy.overestimate)))
+            (cell("overestimate", answer, |a| format!("{}{}", at_most(run), percent(a.accuracy.overestimate))))
             (cell("underestimate", answer, |a| percent(a.accuracy.underestimate)))
-            (wrong("invented", answer, |a| a.accuracy.invented))
-            (wrong("missed", answer, |a| a.accuracy.missed))
+            (wrong("invented", Some(run), |a| a.invented))
+            (wrong("missed", Some(run), |a| a.missed))
             (cell("undecided", answer, |a| percent(a.undecided_share)))
             td data-key="bytes" { (size(run)) }
         }
@@ -172,7 +188,7 @@ pub(super) fn of_subdivisions(results: &Results) -> Markup {
                                     _ => "–",
                                 }
                             }
-                            (wrong("flow", answer("flow"), |a| a.accuracy.invented + a.accuracy.missed))
+                            (wrong("flow", run("flow"), |a| a.invented + a.missed))
                             (cell("flood", answer("flood"), |a| percent(a.accuracy.overestimate)))
                         }
                     }
