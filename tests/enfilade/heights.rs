@@ -3,15 +3,18 @@
 
 use dashu_int::IBig;
 use enfilade::cells::{CellGraph, CellId, Doors, EdgeId, Locator, Options, Subdivision, subdivide};
-use enfilade::geom::Vertex;
-use enfilade::level::{Height, Level, Sector, toml};
+use enfilade::geom::{GridPoint, Side, Vertex, orient};
+use enfilade::level::{Height, Level, Sector, WallKind, doom, snap, toml, wad::Wad};
 use enfilade::pvs::heights::{
     Bracket, ChainAnswer, HeightsAnswer, HeightsOptions, bracket, through, witness,
 };
-use enfilade::pvs::{Class, Progress, Pvs, sweep::sweep};
+use enfilade::pvs::{BitMatrix, Class, Progress, Pvs, sweep::sweep};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 
+use crate::compare::{Solved, Turn, pools, same_turned};
 use crate::random::on_random;
 
 const OPTIONS: HeightsOptions = HeightsOptions { splits: 64 };
@@ -147,12 +150,113 @@ fn confirm(
     Ok(())
 }
 
+/// Random segments in space, walked through the cells and their openings in fractions: whatever one
+/// passes through between two stops must be listed. Returns the pairs of cells met.
+fn cast(graph: &CellGraph, found: &Bracket, n: usize, random: &mut Pcg64) -> Result<usize, String> {
+    let mut openings = vec![None; graph.edges.len()];
+    for portal in &graph.portals {
+        for edge in portal.edges {
+            openings[edge.0 as usize] = portal.widest;
+        }
+    }
+    let mut met = 0;
+    for _ in 0..n {
+        let cells = [(); 2].map(|()| CellId(random.random_range(0..graph.cells.len() as u32)));
+        // About the middle of both.
+        let [p, q] = cells.map(|cell| {
+            let corners: Vec<DVec2> = graph
+                .corners(cell)
+                .map(|v| graph.vertices.approx(v))
+                .collect();
+            let weights: Vec<f64> = corners
+                .iter()
+                .map(|_| random.random_range(0.05..1.0))
+                .collect();
+            let sum = corners
+                .iter()
+                .zip(&weights)
+                .map(|(c, w)| *c * *w)
+                .sum::<DVec2>();
+            let at = (sum / weights.iter().sum::<f64>()).round();
+            GridPoint::new(at.x as i64, at.y as i64)
+        });
+        let [exact_p, exact_q] = [p, q].map(|p| of_vertex(&p.into()));
+        if p == q || !inside(graph, cells[0], &exact_p) {
+            continue;
+        }
+        // The cells on the way, and where it leaves them: how far behind and beyond.
+        let mut path = vec![cells[0]];
+        let mut crossings: Vec<(EdgeId, Ratio)> = Vec::new();
+        loop {
+            let cell = path[path.len() - 1];
+            let exit = graph.edge_range(cell).map(EdgeId).find(|&e| {
+                let ends = [graph.edge(e).origin, graph.end(e)];
+                let sides = ends.map(|v| orient(&p.into(), &q.into(), graph.vertices.exact(v)));
+                sides == [Side::Right, Side::Left]
+            });
+            let Some(exit) = exit else { break };
+            let [right, left] = [graph.edge(exit).origin, graph.end(exit)]
+                .map(|v| of_vertex(graph.vertices.exact(v)));
+            let behind = area(&right, &left, &exact_p);
+            let beyond = area(&left, &right, &exact_q);
+            let Some(twin) = graph.edge(exit).twin().filter(|_| beyond > IBig::ZERO) else {
+                break;
+            };
+            crossings.push((exit, Ratio(behind.clone(), behind + beyond)));
+            path.push(graph.edge(twin).cell);
+        }
+        if crossings.is_empty() {
+            continue;
+        }
+        for _ in 0..6 {
+            // Through two of the openings, most often close to a bottom or a top.
+            let [i, j] = [(); 2].map(|()| random.random_range(0..crossings.len()));
+            let mut place = |i: usize| {
+                let (edge, Ratio(n, d)) = &crossings[i];
+                let (bottom, top) = openings[edge.0 as usize].unwrap_or((0.0, 1.0));
+                let share = match random.random_range(0..3) {
+                    0 => 0.001,
+                    1 => 0.999,
+                    _ => random.random::<f64>(),
+                };
+                let thousandths: IBig = n * IBig::from(1_000_000) / d;
+                let at = i64::try_from(thousandths).expect("at most a million") as f64 / 1e6;
+                (at, bottom + (top - bottom) * share)
+            };
+            let ((s, z), (t, y)) = (place(i), place(j));
+            let rise = if s == t { y - z } else { (y - z) / (t - s) };
+            let (start, end) = (exact(z - s * rise), exact(z + (1.0 - s) * rise));
+            let mut first = 0;
+            for (k, (edge, at)) in crossings.iter().enumerate() {
+                let z = start.towards(&end, at);
+                let passes = openings[edge.0 as usize]
+                    .is_none_or(|(bottom, top)| exact(bottom).less(&z) && z.less(&exact(top)));
+                if !passes {
+                    first = k + 1;
+                    continue;
+                }
+                for &a in &path[first..=k] {
+                    let b = path[k + 1];
+                    if !found.upper.sees(a, b) {
+                        let [a, b] = [a, b].map(|cell| crate::compare::show(graph, cell));
+                        return Err(format!("a segment above {p:?} and {q:?} joins {a} and {b}"));
+                    }
+                    met += 1;
+                }
+            }
+        }
+    }
+    Ok(met)
+}
+
 /// All that must hold of a level; returns the pairs looked at.
 fn keeps_all_promises(level: &Level, subdivision: Subdivision) -> Result<usize, String> {
     let graph = cut(level, subdivision);
     let plan = sweep(&graph, &Progress::default());
-    let few = in_space(&graph, 2);
+    let fewer = [1, 2, 8].map(|splits| in_space(&graph, splits));
     let found = in_space(&graph, OPTIONS.splits);
+    let budgets = || fewer.iter().zip(fewer[1..].iter().chain([&found]));
+    cast(&graph, &found, 40, &mut Pcg64::seed_from_u64(3))?;
     let name = subdivision.as_str();
     let mut looked = 0;
     for a in graph.cell_ids() {
@@ -169,7 +273,10 @@ fn keeps_all_promises(level: &Level, subdivision: Subdivision) -> Result<usize, 
             if certain(&found) && !sees(&found.upper) {
                 return wrong("certainly see each other, and do not");
             }
-            if sees(&found.upper) && !sees(&few.upper) || certain(&few) && !certain(&found) {
+            let undone = budgets().any(|(few, more)| {
+                sees(&more.upper) && !sees(&few.upper) || certain(few) && !certain(more)
+            });
+            if undone {
                 return wrong("are decided only with a smaller budget");
             }
             if !sees(&plan) || a > b {
@@ -564,4 +671,158 @@ fn blocks_of_rooms_keep_all_promises() {
         }
         Ok(n)
     });
+}
+
+#[test]
+fn threads_change_nothing_and_neither_do_turning_and_mirroring() {
+    on_random("blocks turned", 20, blocks(), |block| {
+        let level = with_heights(&block.text, &block.heights);
+        let mut n = 0;
+        for subdivision in Subdivision::ALL {
+            let [one, two] = [0, 1].map(|pool| {
+                pools()[pool].install(|| in_space(&cut(&level, subdivision), OPTIONS.splits))
+            });
+            if one != two {
+                return Err(format!("{}: threads matter", subdivision.as_str()));
+            }
+            if one.upper.undecided > 0 {
+                continue;
+            }
+            let before = Solved {
+                graph: cut(&level, subdivision),
+                pvs: one.upper,
+            };
+            for turn in Turn::all() {
+                let graph = cut(&turned(&level, turn), subdivision);
+                let pvs = in_space(&graph, OPTIONS.splits).upper;
+                if pvs.undecided == 0 {
+                    n += 1;
+                    same_turned(&before, &Solved { graph, pvs }, turn)?;
+                }
+            }
+        }
+        Ok(n)
+    });
+}
+
+/// The level with its plan turned.
+fn turned(level: &Level, turn: Turn) -> Level {
+    let mut level = level.clone();
+    let mirrors = (turn.flip_x != turn.flip_y) != turn.swap;
+    for wall in &mut level.walls {
+        for p in [&mut wall.from, &mut wall.to] {
+            let [x, y] = turn.point([p.x, p.y]);
+            *p = GridPoint::new(x, y);
+        }
+        if mirrors {
+            std::mem::swap(&mut wall.left, &mut wall.right);
+        }
+    }
+    level
+}
+
+fn sample(name: &str) -> Level {
+    let path = format!("{}/levels/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    read(&std::fs::read_to_string(path).expect("the level is there"))
+}
+
+#[test]
+fn where_all_heights_are_equal_space_is_as_the_plan() {
+    for name in ["house", "office", "theatre"] {
+        let mut level = sample(name);
+        for sector in &mut level.sectors {
+            (sector.floor, sector.ceiling) = (Height::fixed(0.0), Height::fixed(3.0));
+        }
+        for wall in &mut level.walls {
+            if let WallKind::Opening(opening) = &mut wall.kind {
+                (opening.bottom, opening.top) = (None, None);
+            }
+        }
+        for subdivision in Subdivision::ALL {
+            let graph = cut(&level, subdivision);
+            let found = in_space(&graph, 1);
+            assert_eq!(
+                found.upper.visible,
+                sweep(&graph, &Progress::default()).visible
+            );
+            assert_eq!(found.lower, found.upper.visible);
+        }
+    }
+}
+
+#[test]
+fn sample_levels_keep_all_promises() {
+    for (name, hides) in [("house", true), ("theatre", true), ("tiny", false)] {
+        let level = sample(name);
+        let graph = cut(&level, Subdivision::Bsp);
+        let plan = sweep(&graph, &Progress::default());
+        let found = in_space(&graph, OPTIONS.splits);
+        assert_eq!(found.upper.undecided, 0, "{name}");
+        assert_eq!(found.upper.pairs() < plan.pairs(), hides, "{name}");
+        keeps_all_promises(&level, Subdivision::Bsp).unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+}
+
+#[test]
+fn doom_maps_are_decided_and_their_sightlines_confirmed() {
+    let path = "/usr/share/games/doom/freedoom1.wad";
+    let Ok(bytes) = std::fs::read(path) else {
+        let missing = format!("{path} is not there; install Freedoom");
+        assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
+        eprintln!("skipped: {missing}");
+        return;
+    };
+    let wad = Wad::parse(bytes).expect("Freedoom is a WAD");
+    for map in ["E1M1", "E1M9", "E4M3"] {
+        let draft = doom::read_map(&wad, map, "freedoom1.wad").expect("the map is sound");
+        let level = snap::snap(draft).expect("the map is sound");
+        for subdivision in [Subdivision::Bsp, Subdivision::Cdt] {
+            let name = format!("{map} {}", subdivision.as_str());
+            let graph = cut(&level, subdivision);
+            let plan = sweep(&graph, &Progress::default());
+            let [few, found] = [1, 16].map(|splits| in_space(&graph, splits));
+            let pairs = found.upper.pairs();
+            assert!(pairs < plan.pairs(), "{name}: heights hide nothing");
+            assert!(
+                found.upper.undecided * 1000 <= pairs,
+                "{name}: hardly decided"
+            );
+            assert!(found.upper.undecided <= few.upper.undecided, "{name}");
+            let within = |p: &BitMatrix, q: &BitMatrix| {
+                (0..p.n()).all(|i| p.row(i).iter().zip(q.row(i)).all(|(p, q)| p & !q == 0))
+            };
+            assert!(within(&found.upper.visible, &plan.visible), "{name}");
+            assert!(within(&found.upper.visible, &few.upper.visible), "{name}");
+            assert!(within(&few.lower, &found.lower), "{name}");
+            let random = &mut Pcg64::seed_from_u64(5);
+            let met = cast(&graph, &found, 4000, random).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let (mut confirmed, mut narrow) = (0, 0);
+            for _ in 0..60 {
+                let a = random.random_range(0..graph.cells.len());
+                let seen: Vec<usize> = found.lower.ones(a).filter(|&b| b != a).collect();
+                if seen.is_empty() {
+                    continue;
+                }
+                let b = seen[random.random_range(0..seen.len())];
+                let ends = [CellId(a as u32), CellId(b as u32)];
+                let options = HeightsOptions { splits: 16 };
+                let HeightsAnswer::Visible(passage) = witness(&graph, ends[0], ends[1], &options)
+                else {
+                    panic!("{name}: cells {a} and {b} do not see each other as a single pair");
+                };
+                let Some(segment) = passage.segment else {
+                    narrow += 1;
+                    continue;
+                };
+                confirm(&graph, ends, &passage.chain, segment)
+                    .unwrap_or_else(|error| panic!("{name}: cells {a} and {b}: {error}"));
+                confirmed += 1;
+            }
+            println!("{name}: {met} pairs met, {confirmed} confirmed, {narrow} too narrow");
+            assert!(
+                met > 1000 && confirmed > 40,
+                "{name}: {met} met, {confirmed} confirmed"
+            );
+        }
+    }
 }

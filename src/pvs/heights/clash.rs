@@ -187,3 +187,149 @@ mod exact {
         Side::of(if clash.dips { value } else { -value })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+    use crate::geom::{GridPoint, Line, Side, VertexId};
+
+    /// Portals in a row and lines that cross them in order, from few numbers, so that much coincides;
+    /// some vertices lie off the grid.
+    fn scene(random: &mut Pcg64Mcg) -> (Vertices, Vec<Gate>, Vec<[VertexId; 2]>) {
+        loop {
+            let (vertices, gates, lines) = any_scene(random);
+            let in_order = |line: &[VertexId; 2]| {
+                let [s, t, u] = [0, 1, 2].map(|g| share(&vertices, &gates[g], *line));
+                s < t && t < u
+            };
+            if lines.iter().all(in_order) {
+                return (vertices, gates, lines);
+            }
+        }
+    }
+
+    fn any_scene(random: &mut Pcg64Mcg) -> (Vertices, Vec<Gate>, Vec<[VertexId; 2]>) {
+        let mut exact: Vec<Vertex> = Vec::new();
+        let mut add = |random: &mut Pcg64Mcg, x: i64, y: i64| {
+            let p = GridPoint::new(6 * x, 6 * y);
+            let slanted = Line::through(GridPoint::new(6 * x + 5, 6 * y + 3), p);
+            let off_grid = slanted.and_then(|l| l.meet(&Line::vertical(6 * x - 1)));
+            exact.push(match off_grid {
+                Some(v) if random.random_bool(0.3) => v,
+                _ => p.into(),
+            });
+            VertexId(exact.len() as u32 - 1)
+        };
+        let gates: Vec<[VertexId; 2]> = (1..4)
+            .map(|i| {
+                let low = random.random_range(0..3);
+                let slant = random.random_range(0..2);
+                let high = low + random.random_range(1..3);
+                [add(random, 3 * i + slant, high), add(random, 3 * i, low)]
+            })
+            .collect();
+        let lines: Vec<[VertexId; 2]> = (0..3)
+            .map(|_| {
+                let [y, z] = [(); 2].map(|()| random.random_range(0..4));
+                [add(random, 0, y), add(random, 15, z)]
+            })
+            .collect();
+        let vertices = Vertices::new(exact);
+        let gates = gates
+            .into_iter()
+            .map(|[left, right]| {
+                let bottom = f64::from(random.random_range(0..4));
+                Gate {
+                    left: vertices.placed(left),
+                    right: vertices.placed(right),
+                    bottom,
+                    top: bottom + f64::from(random.random_range(1..4)),
+                }
+            })
+            .collect();
+        (vertices, gates, lines)
+    }
+
+    /// Where a line crosses a portal's line, as a share of the way between its two vertices.
+    fn share(vertices: &Vertices, gate: &Gate, line: [VertexId; 2]) -> f64 {
+        let [p, q] = line.map(|v| vertices.approx(v));
+        let along = gate.right.at - gate.left.at;
+        let (behind, beyond) = (
+            along.perp_dot(p - gate.left.at),
+            along.perp_dot(q - gate.left.at),
+        );
+        -behind / (beyond - behind)
+    }
+
+    #[test]
+    fn forms_say_of_one_line_what_its_crossings_say() {
+        let mut random = Pcg64Mcg::seed_from_u64(2);
+        let mut signs = [0; 3];
+        for _ in 0..5000 {
+            let (vertices, chain, lines) = scene(&mut random);
+            let corners = Corners::of_lines(&vertices, &lines);
+            for dips in [true, false] {
+                let clash = Clash {
+                    gates: [0, 1, 2],
+                    dips,
+                };
+                let form = Form::new(&vertices, &corners, &chain, clash);
+                for (i, &line) in lines.iter().enumerate() {
+                    let [s, t, u] = [0, 1, 2].map(|g| share(&vertices, &chain[g], line));
+                    let [a, b, c] = [&chain[0], &chain[1], &chain[2]];
+                    let room = if dips {
+                        (b.top - a.bottom) * (u - t) + (b.top - c.bottom) * (t - s)
+                    } else {
+                        (a.top - b.bottom) * (u - t) + (c.top - b.bottom) * (t - s)
+                    };
+                    let value = form.polar(i, i);
+                    if room.abs() > 1e-9 {
+                        assert_eq!(value.is_positive(), room > 0.0, "{room} {value:?}");
+                        signs[if room > 0.0 { 0 } else { 1 }] += 1;
+                    } else {
+                        assert_eq!(value, Interval::ZERO, "{room}");
+                        signs[2] += 1;
+                    }
+                }
+            }
+        }
+        assert!(signs.into_iter().all(|n| n > 100), "{signs:?}");
+    }
+
+    #[test]
+    fn intervals_and_integers_agree_on_every_sign() {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        for _ in 0..3000 {
+            let (vertices, chain, lines) = scene(&mut random);
+            let corners = Corners::of_lines(&vertices, &lines);
+            for dips in [true, false] {
+                let clash = Clash {
+                    gates: [0, 1, 2],
+                    dips,
+                };
+                let form = Form::new(&vertices, &corners, &chain, clash);
+                for (i, p) in corners.list.iter().enumerate() {
+                    for (j, q) in corners.list.iter().enumerate() {
+                        let gates = [&chain[0], &chain[1], &chain[2]];
+                        let side = exact::side(&vertices, [p, q], clash, gates);
+                        let value = form.polar(i, j);
+                        let found = if value.is_positive() {
+                            Side::Left
+                        } else if value.is_negative() {
+                            Side::Right
+                        } else {
+                            // Zero, or only known not to be above it.
+                            assert!(value.is_at_most_zero());
+                            assert_ne!(side, Side::Left);
+                            continue;
+                        };
+                        assert_eq!(found, side, "{value:?}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -70,20 +70,22 @@ impl Corners {
         if lines.len() > 3 && same(&lines[0], &lines[lines.len() - 1]) {
             lines.pop();
         }
-        self.list.extend(lines.into_iter().map(|[from, to]| {
-            let d = to.at - from.at;
-            let scale = 1.0 / power_below(d.x.abs().max(d.y.abs()));
-            let (a, b) = (-d.y * scale, d.x * scale);
-            let at = from.at - origin;
-            Corner {
-                from,
-                to,
-                scale,
-                line: [a, b, -(a * at.x + b * at.y)],
-            }
-        }));
+        self.list
+            .extend(lines.into_iter().map(|line| Corner::new(line, origin)));
         let length = |corner: &Corner| corner.from.at.distance(corner.to.at);
         self.size = self.list.iter().map(length).fold(0.0, f64::max);
+    }
+
+    /// The corners of any polygon, given by lines through two vertices each.
+    #[cfg(test)]
+    pub fn of_lines(vertices: &Vertices, lines: &[[crate::geom::VertexId; 2]]) -> Self {
+        let corner = |line: &[crate::geom::VertexId; 2]| {
+            Corner::new(line.map(|v| vertices.placed(v)), DVec2::ZERO)
+        };
+        Self {
+            list: lines.iter().map(corner).collect(),
+            ..Self::default()
+        }
     }
 
     /// The sum of the corners' lines with these weights.
@@ -130,6 +132,19 @@ fn power_below(x: f64) -> f64 {
 }
 
 impl Corner {
+    fn new([from, to]: [Placed; 2], origin: DVec2) -> Self {
+        let d = to.at - from.at;
+        let scale = 1.0 / power_below(d.x.abs().max(d.y.abs()));
+        let (a, b) = (-d.y * scale, d.x * scale);
+        let at = from.at - origin;
+        Self {
+            from,
+            to,
+            scale,
+            line: [a, b, -(a * at.x + b * at.y)],
+        }
+    }
+
     /// How the line meets a portal of the chain.
     pub fn meet(&self, vertices: &Vertices, gate: &Gate) -> Meeting {
         let beyond = |p| vertices.area(&gate.left, &gate.right, p);

@@ -208,3 +208,80 @@ impl Upright {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    /// Whether three openings contradict each other, in whole numbers.
+    fn contradicts(slots: &[[i64; 3]], clash: Clash) -> bool {
+        let [i, j, k] = clash.gates.map(|g| slots[g as usize]);
+        let (before, after) = (j[0] - i[0], k[0] - j[0]);
+        if clash.dips {
+            (j[2] - i[1]) * after + (j[2] - k[1]) * before <= 0
+        } else {
+            (i[2] - j[1]) * after + (k[2] - j[1]) * before <= 0
+        }
+    }
+
+    fn three_contradict(slots: &[[i64; 3]]) -> bool {
+        let n = slots.len() as u32;
+        let triples =
+            (0..n).flat_map(|i| (i + 1..n).flat_map(move |j| (j + 1..n).map(move |k| [i, j, k])));
+        triples
+            .flat_map(|gates| [true, false].map(|dips| Clash { gates, dips }))
+            .any(|clash| contradicts(slots, clash))
+    }
+
+    #[test]
+    fn a_line_passes_just_where_no_three_openings_contradict_each_other() {
+        let mut random = Pcg64Mcg::seed_from_u64(1);
+        let mut upright = Upright::default();
+        let mut answers = [0; 2];
+        for _ in 0..20_000 {
+            let n = random.random_range(1..8);
+            let mut s = 0;
+            let slots: Vec<[i64; 3]> = (0..n)
+                .map(|_| {
+                    s += random.random_range(1..5);
+                    let bottom = random.random_range(0..8);
+                    [s, bottom, bottom + random.random_range(1..5)]
+                })
+                .collect();
+            let given: Vec<Slot> = (0..)
+                .zip(&slots)
+                .map(|(gate, slot)| {
+                    let [s, bottom, top] = slot.map(|n| n as f64);
+                    Slot {
+                        gate,
+                        s,
+                        bottom,
+                        top,
+                    }
+                })
+                .collect();
+            let blocked = three_contradict(&slots);
+            answers[usize::from(blocked)] += 1;
+            match upright.pass(&given) {
+                Some(slope) => {
+                    assert!(!blocked, "{slots:?}: {slope:?}");
+                    let through = |slot: &Slot| {
+                        let z = slope.at(slot.s);
+                        slot.bottom < z && z < slot.top
+                    };
+                    assert!(given.iter().all(through), "{slots:?}: {slope:?}");
+                }
+                None => {
+                    assert!(blocked, "{slots:?}");
+                    for clash in upright.clashes() {
+                        assert!(contradicts(&slots, clash), "{slots:?}: {clash:?}");
+                    }
+                }
+            }
+        }
+        assert!(answers.into_iter().all(|n| n > 2000), "{answers:?}");
+    }
+}
