@@ -4,8 +4,9 @@
 //! value; nothing is filled in later.
 //!
 //! ```text
-//! level file ──level──▶ Level ──cells──▶ CellGraph ──pvs──▶ Pvs ──report──▶ JSON, plans
-//! (toml, wad)                  (bsp kd cdt)  (cells, portals)   └───pvs::file──▶ FILE.pvs
+//! level file ──level──▶ Level ──cells──▶ CellGraph ──pvs──▶ Pvs ──┬──report──▶ JSON, plans, explanations
+//! (toml, wad)                  (bsp kd cdt)  (cells, portals)      ├──study───▶ what accuracy costs
+//!                                                                  └──pvs::file──▶ FILE.pvs
 //! ```
 //!
 //! # Rooms
@@ -14,14 +15,14 @@
 //!
 //! | module | in → out | what lives there |
 //! |---|---|---|
-//! | [`geom`] | numbers | grid points, lines, exact vertices, predicates that return a named side |
+//! | [`geom`] | numbers | grid points, lines, exact vertices, predicates that return a named side, intervals |
 //! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps; the door to the grid; findings |
 //! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt`, inside and outside, portals, point location |
-//! | [`sight`] | chain of portals → stabbing lines | the exact funnel that grows and shrinks with the chain |
-//! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | `sweep` about vertices, depth-first `search`, sectors, the file format, `verify` |
+//! | [`sight`] | chain of portals → stabbing line, or why there is none | the exact funnel that grows and shrinks with the chain; the exact solver; the lecture's linear programme |
+//! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; sectors, the file format, `verify` |
 //! | [`trace`] | `Level` + `CellGraph` + `Pvs` → image | rays, shapes, acceleration structures; floating point begins here |
-//! | [`report`] | results → people | JSON, pictures of the plan |
-//! | [`study`] | results → people | what accuracy costs in time |
+//! | [`report`] | results → people | JSON, pictures of the plan, explanations in words |
+//! | [`study`] | results → people | what accuracy costs in time; the hard cases |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
 //!
 //! # Numbers: exact inside, one door
@@ -43,7 +44,14 @@
 //!
 //! [`pvs::sweep`] and [`pvs::search`] share no algorithm and must agree bit for bit; the three
 //! subdivisions must agree point by point; [`pvs::verify`] checks a finished file against the walls
-//! of the level without using any of them.
+//! of the level without using any of them. Whoever says that a chain of portals is stabbed, or is
+//! not, hands over a line or the ends that contradict each other, and both can be checked exactly.
+//!
+//! # Where floating point is allowed to err
+//!
+//! [`sight::lp`] with [`pvs::lp`] (the lecture's linear programme) and [`pvs::flow`] (what the Quake
+//! tools do) are there to be compared with. Their tolerances are theirs, and say so; everything else
+//! up to `pvs` is exact, or proved by intervals ([`pvs::heights`]).
 //!
 //! # Deliberately absent
 //!

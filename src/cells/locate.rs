@@ -35,16 +35,16 @@ impl Locator {
             size: [side, side],
             buckets: vec![Vec::new(); side * side],
         };
+        // A corner's copy and a point's are each off by less than 2^-51 of the largest coordinate.
+        let slack = graph.vertices.reach() * 2f64.powi(-50);
         for cell in graph.cell_ids() {
             let mut low = [usize::MAX; 2];
             let mut high = [0usize; 2];
             for v in graph.corners(cell) {
                 let p = graph.vertices.approx(v).to_array();
                 for axis in 0..2 {
-                    // One bucket more each way than the rounded corner needs.
-                    let at = locator.bucket(axis, p[axis]);
-                    low[axis] = low[axis].min(at.saturating_sub(1));
-                    high[axis] = high[axis].max((at + 1).min(side - 1));
+                    low[axis] = low[axis].min(locator.bucket(axis, p[axis] - slack));
+                    high[axis] = high[axis].max(locator.bucket(axis, p[axis] + slack));
                 }
             }
             for y in low[1]..=high[1] {
@@ -61,11 +61,15 @@ impl Locator {
         (i.max(0.0) as usize).min(self.size[axis] - 1)
     }
 
+    /// All cells that may hold a point with these approximate coordinates.
+    pub fn near(&self, p: glam::DVec2) -> &[CellId] {
+        let bucket = self.bucket(1, p.y) * self.size[0] + self.bucket(0, p.x);
+        &self.buckets[bucket]
+    }
+
     /// The cells that hold the point, border included, ascending: one inside a cell, two on a
     /// portal, none outside.
     pub fn cells_at(&self, graph: &CellGraph, point: &Vertex) -> Vec<CellId> {
-        let p = point.approx();
-        let bucket = self.bucket(1, p.y) * self.size[0] + self.bucket(0, p.x);
         let holds = |cell: &&CellId| {
             let corners: Vec<_> = graph
                 .corners(**cell)
@@ -73,7 +77,11 @@ impl Locator {
                 .collect();
             contains(&corners, point)
         };
-        self.buckets[bucket].iter().filter(holds).copied().collect()
+        self.near(point.approx())
+            .iter()
+            .filter(holds)
+            .copied()
+            .collect()
     }
 
     /// The first of [`Locator::cells_at`] for a grid point.

@@ -42,13 +42,14 @@ pub struct BuildArgs {
     #[arg(long, value_name = "N", requires = "heights")]
     splits: Option<u32>,
     /// With --method sample: random sightlines from every cell [default: 1000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     rays: Option<u32>,
     /// With --method sample: seed of all that is random [default: 1]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// With --method lp and --heights: leave undecided what is open after this many seconds
-    #[arg(long, value_name = "SECONDS")]
+    /// With --method lp or flow, or --heights: after this many seconds, leave what is open undecided,
+    /// and visible
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time_limit: Option<f64>,
     /// Threads to compute with [default: all processors]
     #[arg(long, value_name = "N")]
@@ -97,13 +98,13 @@ enum MethodArg {
     Sweep,
     /// Depth first through chains of portals; exact
     Search,
-    /// Depth first, each chain asked of a floating-point linear programme
+    /// Depth first, each chain asked of a floating-point linear programme; approximate, slow
     Lp,
-    /// Portal flow with separators, as the Quake tools do it, in floating point
+    /// Portal flow with separators in floating point, as the Quake tools do it; approximate
     Flow,
-    /// Connected through open portals; misses nothing
+    /// Connected through open portals; conservative: misses nothing
     Flood,
-    /// Random sightlines (see --rays); shows nothing too much
+    /// Random sightlines (see --rays); aggressive: shows nothing too much
     Sample,
 }
 
@@ -120,17 +121,35 @@ impl From<MethodArg> for Method {
     }
 }
 
+/// A time in seconds.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if seconds > 0.0 => Ok(seconds),
+        _ => Err("a number of seconds above 0 is needed, such as 2.5".to_string()),
+    }
+}
+
 /// Runs `enfilade build`.
 pub fn run(args: &BuildArgs) -> Result<Answer> {
+    if args.max_steps.is_some() && args.heights {
+        bail!("--max-steps limits the search on the plan; with --heights, give --time-limit");
+    }
     if args.max_steps.is_some() && args.method != MethodArg::Search {
         bail!("--max-steps limits the search; give --method search with it");
+    }
+    if args.splits == Some(0) {
+        bail!("--splits 0 would look at nothing; give at least 1");
     }
     let samples = args.method == MethodArg::Sample;
     if (args.rays.is_some() || args.seed.is_some()) && !samples {
         bail!("--rays and --seed are for random sightlines; give --method sample with them");
     }
-    if args.time_limit.is_some() && args.method != MethodArg::Lp && !args.heights {
-        bail!("--time-limit is for --method lp and for --heights; the others leave nothing open");
+    let patient = matches!(args.method, MethodArg::Lp | MethodArg::Flow) || args.heights;
+    if args.time_limit.is_some() && !patient {
+        bail!(
+            "--time-limit is for --method lp, --method flow and --heights; the others leave nothing \
+             open"
+        );
     }
     if args.heights && !matches!(args.method, MethodArg::Sweep | MethodArg::Search) {
         bail!("--heights has its own method (a search); leave --method out");

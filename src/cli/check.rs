@@ -14,6 +14,7 @@ use crate::cells::{Options, subdivide};
 use crate::level::read::Source;
 use crate::level::{Finding, Level, Place};
 use crate::report::check;
+use crate::report::json::place;
 use crate::report::wording::{count, grouped};
 
 /// How many places of a finding the text shows; the JSON has all.
@@ -140,7 +141,7 @@ fn as_json(level: &Level, findings: &[Finding]) -> Value {
             "severity": f.severity.as_str(),
             "message": f.message,
             "count": f.places.len(),
-            "places": f.places.iter().map(place_as_json).collect::<Vec<_>>(),
+            "places": f.places.iter().map(place).collect::<Vec<_>>(),
         })
     };
     json!({
@@ -150,16 +151,4 @@ fn as_json(level: &Level, findings: &[Finding]) -> Value {
         "snap": level.snap,
         "findings": findings.iter().map(finding).collect::<Vec<_>>(),
     })
-}
-
-fn place_as_json(place: &Place) -> Value {
-    match *place {
-        Place::Text { line, column } => json!({ "line": line, "column": column }),
-        Place::Linedef(n) => json!({ "linedef": n }),
-        Place::Sidedef(n) => json!({ "sidedef": n }),
-        Place::Sector(n) => json!({ "sector": n }),
-        Place::Vertex(n) => json!({ "vertex": n }),
-        Place::Thing(n) => json!({ "thing": n }),
-        Place::Point { x, y } => json!({ "x": x, "y": y }),
-    }
 }

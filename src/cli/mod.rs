@@ -6,11 +6,14 @@
 mod build;
 mod check;
 mod compute;
+mod explain;
 mod export;
 mod level_args;
 mod output;
+mod picture;
 mod plan;
 mod progress;
+mod study;
 mod summary;
 mod verify;
 
@@ -31,9 +34,11 @@ struct Cli {
 enum Command {
     Build(build::BuildArgs),
     Check(check::CheckArgs),
+    Explain(explain::ExplainArgs),
     Export(export::ExportArgs),
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
+    Study(study::StudyArgs),
 }
 
 /// What a command that ran to its end has to say.
@@ -45,15 +50,29 @@ enum Answer {
     No,
 }
 
-/// Runs the program on the process's arguments.
-pub fn main() -> ExitCode {
+/// How a program that counts its heap tells what is on it, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// What is on it now.
+    pub now: fn() -> usize,
+    /// The most that was on it since the last [`Memory::forget_peak`].
+    pub peak: fn() -> usize,
+    /// Begins anew with what is on it now.
+    pub forget_peak: fn(),
+}
+
+/// Runs the program on the process's arguments. Without `memory`, studies leave out what the methods
+/// need of it.
+pub fn main(memory: Option<Memory>) -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Study(args) => study::run(&args, memory),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

@@ -29,6 +29,29 @@ pub fn show<T>(label: &str, quiet: bool, progress: &Progress, work: impl FnOnce(
     })
 }
 
+/// As [`show`], for work of several parts: `line` says at any time what is under way.
+pub fn show_parts<T>(quiet: bool, line: impl Fn() -> String + Sync, work: impl FnOnce() -> T) -> T {
+    if quiet || !io::stderr().is_terminal() {
+        return work();
+    }
+    thread::scope(|scope| {
+        let (finished, wait) = mpsc::channel::<()>();
+        scope.spawn(|| {
+            let wait = wait;
+            let bar = ProgressBar::new_spinner();
+            bar.set_style(style("{spinner} {msg}"));
+            while wait.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
+                bar.set_message(line());
+                bar.tick();
+            }
+            bar.finish_and_clear();
+        });
+        let result = work();
+        drop(finished);
+        result
+    })
+}
+
 /// Draws the bar until the other end of `wait` is dropped.
 fn watch(label: &str, progress: &Progress, wait: &mpsc::Receiver<()>) {
     let running = |time| wait.recv_timeout(time) == Err(RecvTimeoutError::Timeout);

@@ -31,14 +31,16 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
     line(
         "visibility",
         format!(
-            "{} ({}), doors {}: {} of cells, density {:.4}",
-            pvs.method.as_str(),
-            pvs.class.as_str(),
+            "{}, doors {}: {} of cells, density {:.4}",
+            by_method(pvs),
             graph.options.doors.as_str(),
             count(pvs.pairs() as usize, "ordered pair"),
             pvs.density(),
         ),
     );
+    if pvs.heights || pvs.undecided > 0 {
+        line("undecided", undecided(pvs));
+    }
     if let Some((cell, size)) = largest(graph, pvs) {
         let mean = pvs.pairs() as f64 / n as f64;
         line(
@@ -70,8 +72,22 @@ pub fn of_build(level: &Level, graph: &CellGraph, pvs: &Pvs, seconds: &Seconds) 
     out
 }
 
+/// How many pairs are visible for want of proof, and what that means.
+fn undecided(pvs: &Pvs) -> String {
+    if pvs.undecided == 0 {
+        return "none: each pair has a sightline, or the proof that there is none".into();
+    }
+    let share = 100.0 * pvs.undecided as f64 / pvs.pairs().max(1) as f64;
+    format!(
+        "{}, {share:.4} % of those above, counted as visible without proof: neither a sightline nor \
+         the proof that there is none was found in the time and parts allowed",
+        count(pvs.undecided as usize, "ordered pair"),
+    )
+}
+
 /// One row of the comparison.
 pub struct Compared {
+    by: String,
     cells: [String; 10],
 }
 
@@ -82,7 +98,12 @@ impl Compared {
             Subdivision::Cdt => "-".to_string(),
             _ => graph.cost.depth.to_string(),
         };
+        let pairs = match pvs.undecided {
+            0 => grouped(pvs.pairs()),
+            open => format!("{} ({} undecided)", grouped(pvs.pairs()), grouped(open)),
+        };
         Compared {
+            by: by_method(pvs),
             cells: [
                 graph.options.subdivision.as_str().to_string(),
                 grouped(graph.cells.len() as u64),
@@ -90,7 +111,7 @@ impl Compared {
                 grouped(graph.cost.wall_splits as u64),
                 depth,
                 duration(subdivide),
-                grouped(pvs.pairs()),
+                pairs,
                 format!("{:.4}", pvs.density()),
                 duration(visibility),
                 grouped(size as u64),
@@ -114,12 +135,21 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
         "file bytes",
     ];
     let mut out = title(level);
-    _ = writeln!(out, "{}\n", level_figures(level));
+    _ = writeln!(out, "{}", level_figures(level));
+    let by = rows.first().map_or("", |row| &row.by);
+    _ = writeln!(out, "visibility by {by}\n");
+    let rows: Vec<&[String]> = rows.iter().map(|r| &r.cells[..]).collect();
+    out + &table(&head, &rows)
+}
+
+/// Rows under a head; the first column to the left, the others to the right.
+pub fn table(head: &[&str], rows: &[&[String]]) -> String {
     let width = |i: usize| {
-        let cells = rows.iter().map(|r| r.cells[i].chars().count());
-        cells.chain([head[i].len()]).max().unwrap_or(0)
+        let cells = rows.iter().map(|row| row[i].chars().count());
+        cells.chain([head[i].chars().count()]).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let mut out = String::new();
     let mut line = |cells: &[&str]| {
         for (i, cell) in cells.iter().enumerate() {
             let pad = " ".repeat(widths[i] - cell.chars().count());
@@ -131,11 +161,17 @@ pub fn of_comparison(level: &Level, rows: &[Compared]) -> String {
         }
         out.push('\n');
     };
-    line(&head);
+    line(head);
     for row in rows {
-        line(&row.cells.each_ref().map(String::as_str));
+        line(&row.iter().map(String::as_str).collect::<Vec<_>>());
     }
     out
+}
+
+/// `sweep (exact)`; with heights, `search (conservative) in space`.
+fn by_method(pvs: &Pvs) -> String {
+    let space = if pvs.heights { " in space" } else { "" };
+    format!("{} ({}){space}", pvs.method.as_str(), pvs.class.as_str())
 }
 
 fn title(level: &Level) -> String {

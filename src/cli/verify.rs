@@ -14,7 +14,8 @@ use crate::pvs::{Progress, file};
 /// Check a .pvs file against its level, with none of the code that made it.
 ///
 /// Prints what was checked. The exit status is 1, and the message names the place, if anything is
-/// wrong.
+/// wrong. A file is held to what its class promises: pairs missing from an aggressive or approximate
+/// one are counted, not wrong.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
     /// The .pvs file

@@ -5,9 +5,14 @@
 
 use glam::DVec2;
 
+use super::vertex::Vertex;
+
 /// Grid coordinates `x` satisfy `|x| < GRID_LIMIT` (2^25 steps): what the widths of the integers in
 /// [`super::predicate`] are proved for.
 pub const GRID_LIMIT: i64 = 1 << 25;
+
+/// Points that lie on no grid point are put on one of so many parts of a step (see [`Grid::fine`]).
+pub const FINE: i64 = 1 << 20;
 
 /// A point of the grid, in steps from the grid's origin; `x` right, `y` up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -95,6 +100,24 @@ impl Grid {
         let limit = GRID_LIMIT as f64;
         (x.abs() < limit && y.abs() < limit).then(|| GridPoint::new(x as i64, y as i64))
     }
+
+    /// The point nearest to `p` (level coordinates) among those with coordinates in whole
+    /// [`FINE`]ths of a step; `None` where that is off the grid. A coordinate which a grid point
+    /// has, too, is that grid point's, however far from the origin it is.
+    pub fn fine(&self, p: DVec2) -> Option<Vertex> {
+        let whole = self.nearest(p)?;
+        let back = self.to_level(whole);
+        let parts = |units: f64, back: f64, whole: i64, origin: i64| {
+            if units == back {
+                return whole * FINE;
+            }
+            let steps = self.step.to_steps(units) - origin as f64;
+            (steps * FINE as f64).round() as i64
+        };
+        let x = parts(p.x, back.x, whole.x, self.origin[0]);
+        let y = parts(p.y, back.y, whole.y, self.origin[1]);
+        Vertex::homogeneous(x.into(), y.into(), FINE)
+    }
 }
 
 #[cfg(test)]
@@ -112,6 +135,21 @@ mod tests {
             let p = grid.nearest(DVec2::new(x, 0.0)).unwrap();
             assert_eq!(grid.to_level(p).x, x, "{text}");
         }
+    }
+
+    #[test]
+    fn fine_points_are_near_and_written_ones_exact() {
+        let grid = Grid {
+            step: Step::Decimal(4),
+            origin: [10_000_000_000, 0],
+        };
+        // A thousand kilometres away f64 no longer tells a 2^20th of a step.
+        let p = grid.fine(DVec2::new(1_000_000.100_3, 1.25)).unwrap();
+        assert_eq!(p, GridPoint::new(1003, 12_500).into());
+        let p = grid.fine(DVec2::new(1_000_000.0, 0.12345)).unwrap();
+        assert_eq!((p.x(), p.w(), p.y()), (0, 2, 2469)); // 1234.5 steps
+        assert_eq!(grid.fine(DVec2::new(0.0, 0.0)), None);
+        assert_eq!(grid.fine(DVec2::new(f64::NAN, 0.0)), None);
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub mod scene;
 pub mod snap;
 pub mod toml;
 pub mod wad;
+pub mod wording;
 
 pub use finding::{Finding, Place, Severity};
 pub use model::*;

@@ -3,9 +3,12 @@
 //! A sees B when some segment from inside A to inside B crosses no wall; cells are open sets, so a
 //! line that only grazes a corner, or squeezes through two walls that touch, is not sight. The
 //! relation is symmetric, and every cell sees itself. [`search`] and [`sweep`] both decide this
-//! exactly, in entirely different ways.
+//! exactly, in entirely different ways; the others trade accuracy for time, or stand here to be
+//! compared with. What each promises is its [`Class`].
 
 mod bits;
+pub mod explain;
+pub mod eye;
 mod fan;
 pub mod file;
 mod flat;
@@ -79,9 +82,10 @@ impl Method {
 }
 
 /// What a visible set is, compared with the exact one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Class {
     /// The exact one.
+    #[default]
     Exact,
     /// Misses nothing; may hold too much.
     Conservative,
@@ -92,6 +96,24 @@ pub enum Class {
 }
 
 impl Class {
+    /// All of them.
+    pub const ALL: [Class; 4] = [
+        Class::Exact,
+        Class::Conservative,
+        Class::Aggressive,
+        Class::Approximate,
+    ];
+
+    /// Whether it misses nothing.
+    pub fn is_complete(self) -> bool {
+        matches!(self, Class::Exact | Class::Conservative)
+    }
+
+    /// Whether it holds nothing too much.
+    pub fn is_sound(self) -> bool {
+        matches!(self, Class::Exact | Class::Aggressive)
+    }
+
     /// The name in JSON.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -177,8 +199,8 @@ impl Pvs {
         }
     }
 
-    /// Checks that the relation is symmetric and reflexive, and that cells that share a portal see
-    /// each other.
+    /// Checks that the relation is symmetric and reflexive, and, where it claims to miss nothing, that
+    /// cells that share a portal see each other.
     pub fn validate(&self, graph: &CellGraph) -> Result<(), Flaw> {
         if self.visible.n() != graph.cells.len() {
             return Err(Flaw::Size {
@@ -197,7 +219,7 @@ impl Pvs {
         for portal in &graph.portals {
             let [a, b] = graph.joined(portal);
             // With heights on, an opening may have no height.
-            if !self.heights && !self.sees(a, b) && self.class != Class::Aggressive {
+            if !self.heights && self.class.is_complete() && !self.sees(a, b) {
                 return Err(Flaw::Neighbours(a, b));
             }
         }
@@ -269,7 +291,7 @@ impl Progress {
     }
 
     /// Asks the computation to come to an end soon. Methods with undecided pairs then leave what is
-    /// open undecided; others take no notice.
+    /// open undecided, the search gives up; others take no notice.
     pub fn stop(&self) {
         self.stop.store(true, Relaxed);
     }

@@ -18,7 +18,7 @@ use crate::geom::Placed;
 use crate::sight::funnel::{Funnel, Seen, Undo};
 
 /// The exact PVS, in at most `max_steps` steps (cells entered) over all sources; `None` if that is
-/// not enough. Uses the current rayon thread pool; the result does not depend on its size.
+/// not enough, or if `progress` is asked to stop before. Uses the current rayon thread pool; the result does not depend on its size.
 pub fn search(graph: &CellGraph, max_steps: Option<u64>, progress: &Progress) -> Option<Pvs> {
     let n = graph.cells.len();
     progress.begin(n);
@@ -30,7 +30,8 @@ pub fn search(graph: &CellGraph, max_steps: Option<u64>, progress: &Progress) ->
     visible.par_rows_mut().enumerate().for_each_init(
         || Walk::new(&mesh),
         |walk, (source, row)| {
-            if given_up.load(Relaxed) {
+            if given_up.load(Relaxed) || progress.stopped() {
+                given_up.store(true, Relaxed);
                 return;
             }
             let budget = limit.saturating_sub(steps.load(Relaxed));

@@ -11,10 +11,11 @@ use glam::DVec2;
 use serde::ser::{SerializeMap, SerializeStruct};
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
+use serde_json::{Value, json};
 
 use crate::cells::{CellGraph, CellId, Portal};
 use crate::geom::VertexId;
-use crate::level::{Level, Sector};
+use crate::level::{Level, Place, Sector};
 use crate::pvs::Pvs;
 
 /// How long each stage took, in seconds.
@@ -75,6 +76,19 @@ pub fn polygon(graph: &CellGraph, cell: CellId) -> Vec<DVec2> {
         }
     }
     points
+}
+
+/// A place in the source: an object with the keys of its kind.
+pub fn place(place: &Place) -> Value {
+    match *place {
+        Place::Text { line, column } => json!({ "line": line, "column": column }),
+        Place::Linedef(n) => json!({ "linedef": n }),
+        Place::Sidedef(n) => json!({ "sidedef": n }),
+        Place::Sector(n) => json!({ "sector": n }),
+        Place::Vertex(n) => json!({ "vertex": n }),
+        Place::Thing(n) => json!({ "thing": n }),
+        Place::Point { x, y } => json!({ "x": x, "y": y }),
+    }
 }
 
 /// A vertex in the level's own coordinates.
@@ -271,7 +285,6 @@ mod tests {
     use crate::cells::{Options, subdivide};
     use crate::level::read::read;
     use crate::pvs::{Progress, sweep::sweep};
-    use serde_json::Value;
 
     const ROOMS: &str = "[[room]]\nname = \"A\"\nrect = [0, 0, 0.1, 4]\n\
         [[room]]\nname = \"B\"\nrect = [0.1, 0, 8, 4]\nceiling = 2.5\n\

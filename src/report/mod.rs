@@ -1,6 +1,7 @@
 //! Results for people and other programs: findings, JSON, and pictures of the plan.
 
 pub mod check;
+pub mod explain;
 pub mod json;
 pub mod picture;
 pub mod plan;

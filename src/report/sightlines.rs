@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::cells::{CellGraph, CellId, EdgeId};
-use crate::geom::{GRID_LIMIT, GridPoint, Side, Vertex, orient};
+use crate::geom::{Directed, GRID_LIMIT, GridPoint, Side, Vertex, orient};
 use crate::pvs::Pvs;
 
 /// How many segments are tried for a pair of cells.
@@ -165,11 +165,12 @@ pub fn is_inside(graph: &CellGraph, cell: CellId, point: GridPoint) -> bool {
 /// Follows the segment from a point strictly inside `cell`: the cell in which it ends strictly
 /// inside, or `None` if it meets a wall, a vertex, or ends on a portal.
 pub fn walk(graph: &CellGraph, mut cell: CellId, from: GridPoint, to: GridPoint) -> Option<CellId> {
-    let (p, q): (Vertex, Vertex) = (from.into(), to.into());
-    let side = |e: EdgeId| orient(&p, &q, graph.vertices.exact(graph.edge(e).origin));
     if from == to {
         return Some(cell);
     }
+    let (line, q): (_, Vertex) = (Directed::through(from, to)?, to.into());
+    let vertices = &graph.vertices;
+    let side = |e: EdgeId| vertices.side_along(&line, &vertices.placed(graph.edge(e).origin));
     loop {
         // A ray leaves a convex cell through the edge that goes from its right to its left.
         let exit = graph

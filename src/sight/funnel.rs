@@ -6,6 +6,7 @@
 //! a right end later. What a new portal can still change is held by two hulls, of left and of right
 //! ends, so that adding one takes amortised constant time, and undoing it constant time.
 
+use super::Gate;
 use crate::geom::{Placed, Side, Vertices};
 
 /// A directed line through two vertices.
@@ -65,6 +66,10 @@ impl Hull {
         }
     }
 
+    fn bounds(&self) -> &[Placed] {
+        &self.points[self.start as usize..self.end as usize]
+    }
+
     fn first(&self) -> Placed {
         self.points[self.start as usize]
     }
@@ -102,6 +107,12 @@ impl Hull {
             }
             self.start += 1;
         }
+    }
+
+    /// The lines along the hull, the last one first.
+    fn edges(&self) -> impl Iterator<Item = [Placed; 2]> + '_ {
+        let points = &self.points[self.start as usize..self.end as usize];
+        points.windows(2).rev().map(|w| [w[0], w[1]])
     }
 
     fn restore(&mut self, undo: &HullUndo) {
@@ -146,6 +157,19 @@ impl Seen {
 }
 
 impl Funnel {
+    /// With room for a chain of so many portals that none is undone.
+    pub fn with_room(portals: usize) -> Self {
+        let hull = || Hull {
+            points: Vec::with_capacity(portals),
+            ..Hull::default()
+        };
+        Self {
+            left: hull(),
+            right: hull(),
+            lines: Vec::with_capacity(1),
+        }
+    }
+
     /// Starts a chain with the portal from `right` to `left`, as seen along the chain.
     pub fn begin(&mut self, left: Placed, right: Placed) {
         self.left.reset(left);
@@ -227,30 +251,128 @@ impl Funnel {
                 .push(vertices, right, Side::Right, &mut undo.right);
             return Some(undo);
         };
-        let (mut new_ccw, mut new_cw) = (ccw, cw);
-        if left_seen.inside_left {
+        self.lines.push((ccw, cw));
+        let left = left_seen.inside_left.then_some(left);
+        let right = right_seen.inside_right.then_some(right);
+        self.tighten(vertices, left, right, &mut undo);
+        Some(undo)
+    }
+
+    /// Lets a portal's ends that lie within the stabbing lines bound them.
+    #[inline]
+    fn tighten(
+        &mut self,
+        vertices: &Vertices,
+        left: Option<Placed>,
+        right: Option<Placed>,
+        undo: &mut Undo,
+    ) {
+        let Some((ccw, cw)) = self.lines.last_mut() else {
+            return;
+        };
+        if let Some(left) = left {
             self.right.touch(vertices, left, Side::Left);
-            new_ccw = Through {
-                from: self.right.first(),
-                to: left,
-            };
+            let from = self.right.first();
+            *ccw = Through { from, to: left };
         }
-        if right_seen.inside_right {
+        if let Some(right) = right {
             self.left.touch(vertices, right, Side::Right);
-            new_cw = Through {
-                from: self.left.first(),
-                to: right,
-            };
+            let from = self.left.first();
+            *cw = Through { from, to: right };
         }
-        if left_seen.inside_left {
+        if let Some(left) = left {
             self.left.push(vertices, left, Side::Left, &mut undo.left);
         }
-        if right_seen.inside_right {
+        if let Some(right) = right {
             self.right
                 .push(vertices, right, Side::Right, &mut undo.right);
         }
-        self.lines.push((new_ccw, new_cw));
-        Some(undo)
+    }
+
+    /// As [`Funnel::extend`], for who does not walk around the cell between the last portal, `last`,
+    /// and the new one, of which the left and the right end are given.
+    pub fn extend_past(
+        &mut self,
+        vertices: &Vertices,
+        last: Gate,
+        ends: [Placed; 2],
+    ) -> Option<Undo> {
+        let [left, right] = ends;
+        let start = self.right_end_seen();
+        let right_seen = if right.id == last.right {
+            start
+        } else {
+            self.next_seen(vertices, start, &right)
+        };
+        let left_seen = if left.id == last.left {
+            // It bounds the lines already.
+            Seen {
+                inside_left: self.lines.is_empty(),
+                inside_right: true,
+            }
+        } else {
+            self.next_seen(vertices, right_seen, &left)
+        };
+        self.extend(vertices, (left, left_seen), (right, right_seen))
+    }
+
+    /// As [`Funnel::extend_past`], but not to be undone, nor may what was added before be undone any
+    /// more. Whether the portal fits.
+    #[inline]
+    pub fn narrow(&mut self, vertices: &Vertices, last: Gate, [left, right]: [Placed; 2]) -> bool {
+        let Some((ccw, cw)) = self.lines.last() else {
+            return self.extend_past(vertices, last, [left, right]).is_some();
+        };
+        // As in `next_seen`: the right end comes first, and ends of the last portal bound the lines
+        // already.
+        let tighter_right = right.id != last.right && cw.passes(vertices, &right, Side::Left);
+        if tighter_right && !ccw.passes(vertices, &right, Side::Right) {
+            return false;
+        }
+        let mut tighter_left = false;
+        if left.id != last.left {
+            if !tighter_right && !cw.passes(vertices, &left, Side::Left) {
+                return false;
+            }
+            tighter_left = ccw.passes(vertices, &left, Side::Right);
+        }
+        if tighter_left || tighter_right {
+            let mut undo = Undo {
+                left: self.left.state(),
+                right: self.right.state(),
+            };
+            let (left, right) = (tighter_left.then_some(left), tighter_right.then_some(right));
+            self.tighten(vertices, left, right, &mut undo);
+        }
+        true
+    }
+
+    /// The left ends that bound the stabbing lines, in the order of the chain: from the one that the
+    /// clockwise-most line touches to the one that the counterclockwise-most touches. The line
+    /// through them turns left in each.
+    pub fn left_bounds(&self) -> &[Placed] {
+        self.left.bounds()
+    }
+
+    /// The right ends that bound the stabbing lines, in the order of the chain: from the one that the
+    /// counterclockwise-most line touches to the one that the clockwise-most touches. The line
+    /// through them turns right in each.
+    pub fn right_bounds(&self) -> &[Placed] {
+        self.right.bounds()
+    }
+
+    /// Adds any portal that follows in the chain, wherever it was met; `None` as for
+    /// [`Funnel::extend`].
+    pub fn push(&mut self, vertices: &Vertices, left: Placed, right: Placed) -> Option<Undo> {
+        let lines = self.lines.last().copied();
+        let seen = |p: &Placed| match &lines {
+            None => Seen::WITHIN,
+            Some((ccw, cw)) => Seen {
+                inside_left: ccw.passes(vertices, p, Side::Right),
+                inside_right: cw.passes(vertices, p, Side::Left),
+            },
+        };
+        self.extend(vertices, (left, seen(&left)), (right, seen(&right)))
     }
 
     /// Whether all stabbing lines lead left (towards smaller x) by at least a grid step between the
@@ -261,6 +383,19 @@ impl Funnel {
         self.lines
             .last()
             .is_some_and(|(ccw, cw)| left(ccw) && left(cw))
+    }
+
+    /// The lines that bound the stabbing lines of a chain of at least two portals: each touches a left
+    /// or right end and, later on its way, another one. In the space of lines they are the corners
+    /// of a convex polygon, at least three; every stabbing line is a sum of them with positive
+    /// weights. In order around it.
+    pub fn corners(&self) -> impl Iterator<Item = [Placed; 2]> + '_ {
+        let extreme = |line: &Through| [line.from, line.to];
+        let (ccw, cw) = self.lines.last().map_or((None, None), |(ccw, cw)| {
+            (Some(extreme(ccw)), Some(extreme(cw)))
+        });
+        let left = ccw.into_iter().chain(self.left.edges());
+        left.chain(cw).chain(self.right.edges())
     }
 
     /// Takes the last portal off the chain. Undo in the reverse order of extending.

@@ -6,7 +6,14 @@
 
 pub mod exact;
 pub mod funnel;
+mod hulls;
 pub mod lp;
 pub mod stab;
+mod strip;
 
+pub use exact::Chain;
 pub use stab::{Contradiction, Gate, Solver, Stabbing, Witness, stab};
+pub use strip::Slack;
+
+#[cfg(test)]
+mod tests;

@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 
 use crate::compare::{nothing_new, same_area, sample, solve, solve_all};
 
-fn tomls(folder: &str) -> Vec<PathBuf> {
+pub fn tomls(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let entries = fs::read_dir(&folder).expect("the levels are there");
     let mut list: Vec<PathBuf> = entries

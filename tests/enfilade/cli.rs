@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::readers::{sample, two_squares};
 
-fn enfilade(arguments: &[&str]) -> Output {
+pub fn enfilade(arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("enfilade").expect("the program is built");
     let output = command
         .args(arguments)
@@ -21,7 +21,7 @@ fn enfilade(arguments: &[&str]) -> Output {
     output
 }
 
-fn level(path: &str) -> String {
+pub fn level(path: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     root.join("levels")
         .join(path)
@@ -40,7 +40,7 @@ fn file(name: &str, content: &[u8]) -> (TempDir, String) {
 
 /// The program must refuse, with status 2, nothing on standard output, and one line on standard
 /// error that holds all of `parts`.
-fn refused(arguments: &[&str], parts: &[&str]) {
+pub fn refused(arguments: &[&str], parts: &[&str]) {
     let output = enfilade(arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {errors}");
@@ -435,6 +435,132 @@ fn threads_and_method_change_nothing_in_the_json() {
 }
 
 #[test]
+fn each_method_declares_its_class() {
+    let house = level("house.toml");
+    let exact = json(&[&house])["visibility"]["pairs"]
+        .as_u64()
+        .expect("a number");
+    for (method, class, further) in [
+        ("search", "exact", &[][..]),
+        ("lp", "approximate", &["--time-limit", "600"]),
+        ("flow", "approximate", &["--time-limit", "600"]),
+        ("flood", "conservative", &[]),
+        ("sample", "aggressive", &["--rays", "20", "--seed", "3"]),
+    ] {
+        let mut arguments = vec![&house[..], "--method", method];
+        arguments.extend(further);
+        let visibility = json(&arguments)["visibility"].clone();
+        assert_eq!(
+            (&visibility["method"], &visibility["class"]),
+            (&method.into(), &class.into())
+        );
+        assert_eq!(visibility["undecided"], 0);
+        let pairs = visibility["pairs"].as_u64().expect("a number");
+        match class {
+            "exact" => assert_eq!(pairs, exact),
+            "conservative" => assert!(pairs > exact),
+            "aggressive" => assert!(pairs < exact),
+            _ => assert!(pairs > exact / 2),
+        }
+        // The summary says so, and so does the file, to `verify` too.
+        let (_folder, path) = file("house.pvs", b"");
+        let mut arguments = vec!["build", &house, "--method", method, "-o", &path];
+        arguments.extend(further);
+        let summary = String::from_utf8(enfilade(&arguments).stdout).expect("text");
+        assert!(
+            summary.contains(&format!("{method} ({class})")),
+            "{summary}"
+        );
+        assert!(!summary.contains("undecided"), "{summary}");
+        let back = enfilade::pvs::file::decode(&fs::read(&path).expect("written"));
+        assert_eq!(back.expect("a PVS file").pvs.class.as_str(), class);
+        let checked = enfilade(&["verify", &path, &house, "--segments", "5000"]);
+        assert_eq!(checked.status.code(), Some(0), "{method}");
+        let told = String::from_utf8(checked.stdout).expect("text");
+        let missed = format!("not listed, as its class, {class}, allows");
+        assert_eq!(told.contains(&missed), class == "aggressive", "{told}");
+    }
+}
+
+#[test]
+fn the_seed_and_the_number_of_rays_count() {
+    let museum = level("museum.toml");
+    let with = |rays: &str, seed: &str| {
+        json(&[
+            &museum, "--method", "sample", "--rays", rays, "--seed", seed,
+        ])["visible"]
+            .clone()
+    };
+    assert_eq!(with("5", "1"), with("5", "1"));
+    assert_ne!(with("5", "1"), with("5", "2"));
+    assert_ne!(with("5", "1"), with("9", "1"));
+}
+
+#[test]
+fn what_is_left_undecided_is_said() {
+    let maze = level("maze.toml");
+    let (_folder, path) = file("maze.pvs", b"");
+    let hurried = ["--method", "lp", "--time-limit", "1e-9"];
+    let mut arguments = vec!["build", &maze, "-o", &path];
+    arguments.extend(hurried);
+    let output = enfilade(&arguments);
+    assert_eq!(output.status.code(), Some(0));
+    let summary = String::from_utf8(output.stdout).expect("text");
+    assert!(summary.contains("undecided"), "{summary}");
+    assert!(summary.contains("without proof"), "{summary}");
+    let undecided = enfilade::pvs::file::decode(&fs::read(&path).expect("written"))
+        .expect("a PVS file")
+        .pvs
+        .undecided;
+    assert!(undecided > 0);
+    let mut arguments = vec![&maze[..]];
+    arguments.extend(hurried);
+    assert!(json(&arguments)["visibility"]["undecided"].as_u64() > Some(0));
+    let mut arguments = vec!["build", &maze, "--subdivision", "compare"];
+    arguments.extend(hurried);
+    let table = String::from_utf8(enfilade(&arguments).stdout).expect("text");
+    assert!(
+        table.contains("lp (approximate)") && table.contains("undecided"),
+        "{table}"
+    );
+}
+
+#[test]
+fn options_of_other_methods_are_refused() {
+    let tiny = level("tiny.toml");
+    let refused = |further: &[&str], parts: &[&str]| {
+        let mut arguments = vec!["build", &tiny];
+        arguments.extend(further);
+        refused(&arguments, parts);
+    };
+    refused(&["--rays", "5"], &["--rays", "--method sample"]);
+    refused(
+        &["--method", "flow", "--seed", "5"],
+        &["--seed", "--method sample"],
+    );
+    refused(&["--method", "sample", "--rays", "0"], &["--rays", "0"]);
+    refused(
+        &["--method", "flood", "--max-steps", "5"],
+        &["--max-steps", "--method search"],
+    );
+    for method in ["sweep", "search", "flood", "sample"] {
+        refused(
+            &["--method", method, "--time-limit", "5"],
+            &["--time-limit", "lp", "flow", "--heights"],
+        );
+    }
+    for limit in ["0", "-1", "soon", "nan"] {
+        let given = format!("--time-limit={limit}");
+        refused(&["--method", "flow", &given], &["--time-limit", "above 0"]);
+    }
+    refused(
+        &["--heights", "--method", "flow"],
+        &["--heights", "leave --method out"],
+    );
+    refused(&["--splits", "5"], &["--heights"]);
+}
+
+#[test]
 fn what_samples_say_is_utf8_text() {
     let text = sample("tiny.toml");
     let (_folder, path) = file("with mark.toml", format!("\u{feff}{text}").as_bytes());
@@ -509,5 +635,128 @@ fn a_reject_table_for_two_squares_that_see_each_other() {
     refused(
         &["export", "reject", &level("tiny.toml"), "-o", &out],
         &["tiny.toml"],
+    );
+}
+
+/// A room, a corridor that turns twice, and a room at its end.
+const CORNER: &str = "[[room]]
+name = \"A\"
+rect = [0, 0, 4, 4]
+\
+    [[room]]
+name = \"Corridor\"
+outline = [[4, 0], [10, 0], [10, 10], [8, 10], [8, 2], [4, 2]]
+\
+    [[room]]
+name = \"B\"
+rect = [4, 8, 8, 12]
+\
+    [[door]]
+points = [[4, 0.5], [4, 1.5]]
+\
+    [[door]]
+name = \"Back door\"
+points = [[8, 8.5], [8, 9.5]]
+";
+
+#[test]
+fn explain_answers_in_words_in_json_and_by_its_status() {
+    let (folder, path) = file("corner.toml", CORNER.as_bytes());
+    let explain = |more: &[&str]| enfilade(&[&["explain", &path][..], more].concat());
+    let seen = ["--from", "1,1", "--to", "6,1"];
+    let hidden = ["--from", "1,1", "--to", "6,11"];
+    let words = |output: &Output| String::from_utf8_lossy(&output.stdout).into_owned();
+
+    let output = explain(&seen);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(words(&output).contains("Visible"), "{}", words(&output));
+    let output = explain(&[&hidden[..], &["--subdivision", "cdt"]].concat());
+    assert_eq!(output.status.code(), Some(0));
+    assert!(words(&output).contains("Not visible"), "{}", words(&output));
+    assert!(words(&output).contains("Back door"), "{}", words(&output));
+
+    let output = explain(&[&seen[..], &["--quiet"]].concat());
+    assert_eq!((output.status.code(), words(&output).len()), (Some(0), 0));
+    let quiet = ["--quiet", "--subdivision", "cdt"];
+    let output = explain(&[&hidden[..], &quiet].concat());
+    assert_eq!((output.status.code(), words(&output).len()), (Some(1), 0));
+
+    // JSON on standard output sends the words to standard error.
+    let output = explain(&[&seen[..], &["--json", "-"]].concat());
+    let json: Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+    assert_eq!(json["format"], "enfilade.explanation");
+    assert_eq!(json["visible"], true);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("Visible"));
+
+    // Closed doors: no way, but there would be one.
+    let output = explain(&[&seen[..], &["--doors", "closed", "--json", "-"]].concat());
+    let json: Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+    assert_eq!(
+        (&json["visible"], &json["connected"]),
+        (&false.into(), &false.into())
+    );
+    assert_eq!(json["doors_open"]["visible"], true);
+    assert_eq!(
+        json["doors_open"]["doors"][0]["rooms"],
+        serde_json::json!(["A", "Corridor"])
+    );
+
+    for (name, start) in [("a.svg", &b"<svg"[..]), ("a.png", b"\x89PNG")] {
+        let picture = folder.path().join(name);
+        for places in [&seen, &hidden] {
+            let output = explain(&[&places[..], &["-o", &picture.to_string_lossy()]].concat());
+            assert_eq!(output.status.code(), Some(0));
+            let bytes = fs::read(&picture).expect("it is written");
+            assert!(bytes.starts_with(start), "{name}");
+        }
+    }
+}
+
+#[test]
+fn explain_takes_points_on_borders_and_cells_by_number() {
+    let (_folder, path) = file("corner.toml", CORNER.as_bytes());
+    let explain = |more: &[&str]| {
+        let output = enfilade(&[&["explain", &path][..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{more:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    // In the middle of the door.
+    let words = explain(&["--from", "4,1", "--to", "1,3"]);
+    assert!(words.contains("one cell"), "{words}");
+    let words = explain(&["--from", "4,1", "--to", "6,11"]);
+    assert!(words.contains("on its border with cell"), "{words}");
+    let words = explain(&["--from-cell", "0", "--to-cell", "0"]);
+    assert!(words.contains("one cell"), "{words}");
+}
+
+#[test]
+fn explain_refuses_places_that_are_none() {
+    let (_folder, path) = file("corner.toml", CORNER.as_bytes());
+    let refuse = |more: &[&str], parts: &[&str]| {
+        refused(&[&["explain", &path][..], more].concat(), parts);
+    };
+    refuse(&["--from", "1,1"], &["--to"]);
+    refuse(&["--to", "1,1"], &["--from"]);
+    refuse(
+        &["--from", "1,1", "--from-cell", "1", "--to", "2,2"],
+        &["--from-cell"],
+    );
+    refuse(&["--from", "1,1", "--to", "6,6"], &["6,6", "outside"]);
+    refuse(&["--from", "1,1", "--to", "1e300,6"], &["outside"]);
+    refuse(&["--from", "1,1", "--to", "x,6"], &["two numbers"]);
+    refuse(
+        &["--from", "1,4", "--to", "6,1"],
+        &["1,4", "on a wall", "line"],
+    );
+    // The end of the door is on a wall too.
+    refuse(&["--from", "4,1.5", "--to", "6,1"], &["on a wall"]);
+    refuse(&["--from", "1,1", "--to-cell", "99"], &["no cell 99"]);
+    refuse(
+        &["--from", "1,1", "--to", "6,1", "-o", "a.jpg"],
+        &["a.jpg", ".svg", ".png"],
+    );
+    refuse(
+        &["--from", "1,1", "--to", "6,1", "-o", "-", "--json", "-"],
+        &["standard output"],
     );
 }

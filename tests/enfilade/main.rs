@@ -1,16 +1,29 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
-//! them need stands in `plan`, `sightline`, `reference` and `compare`.
+//! them need stands in `browser`, `caster`, `plan`, `random`, `sightline`, `reference` and `compare`.
 
+mod browser;
+mod caster;
 mod compare;
 mod plan;
+mod random;
 mod reference;
 mod sightline;
 
 mod agree;
+mod bulk;
 mod cli;
+mod explain;
+mod eye;
+mod generated;
 mod hard;
+mod heights;
+mod methods;
+mod pictures;
+mod programme;
 mod property;
 mod readers;
 mod readme;
 mod regression;
+mod stability;
+mod study;
 mod tidy;

@@ -195,16 +195,10 @@ impl Head {
             })?,
             ..Options::default()
         };
-        let classes = [
-            Class::Exact,
-            Class::Conservative,
-            Class::Aggressive,
-            Class::Approximate,
-        ];
         let pvs = Pvs {
             visible: BitMatrix::new(0),
             method: known("method", method, &Method::ALL, |m| m.as_str())?,
-            class: known("class", class, &classes, |c| c.as_str())?,
+            class: known("class", class, &Class::ALL, |c| c.as_str())?,
             heights: flags & 2 != 0,
             undecided,
             steps,

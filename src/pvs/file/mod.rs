@@ -40,7 +40,7 @@
 //! | 72 | u64 | ordered pairs counted as visible without proof |
 //! | 80 | u64 | elementary steps that the method took |
 //! | 88 | 3 × u32 | of the subdivision: pieces of wall, cuts through pieces, depth of the tree |
-//! | 100 | 7 strings | name, source, unit of length, subdivision (`bsp`, `kd`, `cdt`), method, class, doors (`open`, `closed`), each as u32 number of bytes, then UTF-8 |
+//! | 100 | 7 strings | name, source, unit of length, subdivision (`bsp`, `kd`, `cdt`), method (`sweep`, `search`, `lp`, `flow`, `flood`, `sample`), class (`exact`, `conservative`: misses nothing, `aggressive`: nothing too much, `approximate`), doors (`open`, `closed`), each as u32 number of bytes, then UTF-8 |
 //!
 //! **`VERT`**, the vertices in the level's own coordinates, as near as f64 gets to them: per vertex
 //! f64 x (right), f64 y (up).

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::cells::{CellId, Doors, Options, Subdivision, subdivide};
 use crate::level::{Level, doom, snap, toml, wad};
-use crate::pvs::{Progress, sweep};
+use crate::pvs::{Class, Method, Progress, sweep};
 
 fn sample(name: &str) -> Level {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -245,8 +245,31 @@ fn a_pair_that_cannot_be_is_refused() {
         }
     }
     file.pvs.visible = visible;
+    // Neighbours see each other, but a class may promise less.
+    for class in Class::ALL {
+        file.pvs.class = class;
+        let result = decode(&bytes_of(&file));
+        assert_eq!(result.is_err(), class.is_complete(), "{class:?}");
+    }
+    file.pvs.class = Class::Exact;
     let error = decode(&bytes_of(&file)).unwrap_err();
     assert!(matches!(error, FileError::Visible(_)), "{error}");
+    file.pvs.heights = true;
+    assert!(
+        decode(&bytes_of(&file)).is_ok(),
+        "an opening without height"
+    );
+}
+
+#[test]
+fn methods_and_classes_come_back() {
+    let mut file = built(&sample("house.toml"), Subdivision::Bsp, Doors::Open);
+    for method in Method::ALL {
+        file.pvs.method = method;
+        file.pvs.class = method.class();
+        file.pvs.undecided = 7;
+        assert_comes_back(&file);
+    }
 }
 
 #[test]

@@ -5,17 +5,28 @@
 //! or the first [`Failure`], with the place. Everything is decided exactly; what is random is only
 //! where to look, and that is seeded, so the same call always says the same.
 //!
-//! 1. The relation is symmetric and reflexive.
+//! 1. The relation is symmetric and reflexive. Where it claims to hold nothing too much, no pair is
+//!    listed that portals do not connect.
 //! 2. Every cell is convex and counterclockwise, portals pair up, no wall passes through a cell or
 //!    lies on a portal, and what is no portal lies on an opaque wall or faces the outside (`cells`).
 //! 3. Random points lie in exactly one cell where the level's own walls (by rays, or by the parity
 //!    of outlines) say inside, and in none where they say outside (`ground`).
 //! 4. Cells along random free segments, many of them just past the ends of walls, see each other
-//!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free.
+//!    in pairs (`sight`). A segment that touches an opaque wall in even a point is not free. With
+//!    heights, the segments are in space, many of them just past sills, lintels and steps, and must
+//!    also keep between the floors and ceilings of the level's sectors and within the heights of its
+//!    openings (`space`).
+//!
+//! A file is held to what its class promises. A pair that is met but not listed is a failure in one
+//! that claims to miss nothing (exact, conservative); in the others (aggressive, approximate) such
+//! pairs are counted.
 
+mod caster;
 mod cells;
 mod ground;
+mod pair;
 mod sight;
+mod space;
 mod walls;
 
 #[cfg(test)]
@@ -23,8 +34,12 @@ mod tests;
 
 use std::fmt;
 
-use super::Progress;
+use glam::DVec3;
+
+pub use caster::{Caster, Place};
+
 use super::file::{LevelInfo, PvsFile};
+use super::{Class, Progress};
 use crate::cells::{CellId, EdgeId};
 use crate::geom::GridPoint;
 use crate::level::{Level, WallId};
@@ -69,17 +84,23 @@ pub struct Verified {
     pub outside: u64,
     /// Random points about which the level's walls contradict each other, or say nothing.
     pub contested: u64,
-    /// Segments that touch no opaque wall.
+    /// Whether the segments are in space.
+    pub heights: bool,
+    /// Segments that touch no opaque wall; in space, that pass from some cell to another.
     pub free: u64,
-    /// Segments that touch one, or pass exactly through a corner of cells: not used.
+    /// Segments that do not, or pass exactly through a corner of cells: not used.
     pub discarded: u64,
-    /// Pairs of cells met along free segments, all of them listed as visible (with repetition).
+    /// Pairs of cells met along free segments (with repetition).
     pub met: u64,
+    /// Those of them that are not listed as visible. 0 where the class promises to miss nothing.
+    pub missed: u64,
+    /// What the file promises.
+    pub class: Class,
 }
 
-/// The first fault found. Points are in grid steps; [`Failure::describe`] says them in the level's
-/// own coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The first fault found. Points on the plan are in grid steps; [`Failure::describe`] says them in the
+/// level's own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
     /// The file was made from another level, or this one has been changed since.
     OtherLevel,
@@ -87,6 +108,8 @@ pub enum Failure {
     NotReflexive(CellId),
     /// The first cell sees the second, but not the other way round.
     NotSymmetric(CellId, CellId),
+    /// Two cells are listed as visible, though no walk through portals joins them.
+    Parted(CellId, CellId),
     /// A cell is not a convex polygon walked counterclockwise.
     NotConvex(CellId),
     /// An edge and its twin do not run between the same two vertices.
@@ -116,6 +139,17 @@ pub enum Failure {
         from: GridPoint,
         /// Its end.
         to: GridPoint,
+    },
+    /// Two cells are joined by a free segment in space, but not listed as visible.
+    MissedInSpace {
+        /// One cell.
+        a: CellId,
+        /// The other.
+        b: CellId,
+        /// Where the segment leaves the first, in the level's own coordinates.
+        from: DVec3,
+        /// Where it enters the second.
+        to: DVec3,
     },
     /// A free segment leaves the cells where they should end at an opaque wall.
     Escape {
@@ -147,15 +181,24 @@ pub fn verify(
     }
     let mut done = Verified {
         cells: file.graph.cells.len(),
+        class: file.pvs.class,
+        heights: file.pvs.heights,
         ..Verified::default()
     };
     done.pairs = relation(file)?;
     let walls = walls::Walls::new(level, file.graph.options.doors);
     let outer = cells::check(file, &walls, &mut done)?;
+    if file.pvs.class.is_sound() {
+        connected(file)?;
+    }
     progress.begin((options.points + options.segments) as usize);
     ground::check(file, level, &walls, &outer, options, &mut done)?;
     progress.advance(options.points as usize);
-    sight::check(file, &walls, &outer, options, progress, &mut done)?;
+    if file.pvs.heights {
+        space::check(file, level, &walls, &outer, options, progress, &mut done)?;
+    } else {
+        sight::check(file, &walls, &outer, options, progress, &mut done)?;
+    }
     Ok(done)
 }
 
@@ -173,6 +216,37 @@ fn relation(file: &PvsFile) -> Result<u64, Failure> {
         }
     }
     Ok(pairs)
+}
+
+/// Whether a walk through portals joins the cells of every listed pair.
+fn connected(file: &PvsFile) -> Result<(), Failure> {
+    let graph = &file.graph;
+    // Joined cells point towards one of them, that points to itself.
+    let mut towards: Vec<usize> = (0..graph.cells.len()).collect();
+    fn end(towards: &mut [usize], mut cell: usize) -> usize {
+        while towards[cell] != cell {
+            towards[cell] = towards[towards[cell]];
+            cell = towards[cell];
+        }
+        cell
+    }
+    for edge in &graph.edges {
+        if let Some(twin) = edge.twin() {
+            let [a, b] = [edge.cell, graph.edge(twin).cell];
+            let [a, b] = [a, b].map(|c| end(&mut towards, c.0 as usize));
+            towards[a] = b;
+        }
+    }
+    let place: Vec<usize> = (0..graph.cells.len())
+        .map(|cell| end(&mut towards, cell))
+        .collect();
+    for a in graph.cell_ids() {
+        let other = |b: &CellId| place[a.0 as usize] != place[b.0 as usize];
+        if let Some(b) = file.pvs.seen_from(a).find(other) {
+            return Err(Failure::Parted(a, b));
+        }
+    }
+    Ok(())
 }
 
 impl Failure {
@@ -214,6 +288,11 @@ impl Failure {
                     a.0, b.0
                 )
             }
+            Failure::Parted(a, b) => format!(
+                "cells {} and {} are listed as visible, but no way through portals leads from the \
+                 one to the other",
+                a.0, b.0
+            ),
             Failure::NotConvex(a) => {
                 let corners: Vec<String> = graph.corners(a).map(vertex).collect();
                 format!("cell {} is no convex polygon: {}", a.0, corners.join(" "))
@@ -242,11 +321,17 @@ impl Failure {
             ),
             Failure::Missed { a, b, from, to } => format!(
                 "cells {} and {} are not listed as visible, but the free segment from {} to {} \
-                 passes through both",
+                 passes through both, and the file's class, {}, promises to miss nothing",
                 a.0,
                 b.0,
                 point(from),
-                point(to)
+                point(to),
+                file.pvs.class.as_str()
+            ),
+            Failure::MissedInSpace { a, b, from, to } => format!(
+                "cells {} and {} are not listed as visible, but the straight line that leaves the \
+                 one at {from} and enters the other at {to} is free",
+                a.0, b.0
             ),
             Failure::Escape { edge: e, from, to } => format!(
                 "the free segment from {} to {} leaves the cells through {} where sight should \
@@ -288,10 +373,20 @@ impl fmt::Display for Verified {
              level's walls do not say",
             self.inside, self.outside, self.contested
         )?;
+        let listed = match self.missed {
+            0 => "every one listed".to_string(),
+            missed => format!(
+                "{missed} not listed, as its class, {}, allows",
+                self.class.as_str()
+            ),
+        };
         writeln!(
             f,
-            "segments    {} free ones met {} pairs of cells, every one listed ({} others discarded)",
-            self.free, self.met, self.discarded
+            "segments    {} free ones{} met {} pairs of cells, {listed} ({} others discarded)",
+            self.free,
+            if self.heights { " in space" } else { "" },
+            self.met,
+            self.discarded
         )
     }
 }

@@ -28,19 +28,20 @@ pub(super) fn check(
         return Ok(());
     }
     let caster = Caster::new(file, walls, outer);
-    let chunks: Vec<Result<[u64; 3], Failure>> = (0..options.segments.div_ceil(CHUNK))
+    let chunks: Vec<Result<[u64; 4], Failure>> = (0..options.segments.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let seed = options.seed.wrapping_mul(2).wrapping_add(1 + (chunk << 32));
             let mut rng = Pcg64Mcg::seed_from_u64(seed);
             let n = CHUNK.min(options.segments - chunk * CHUNK);
-            let mut counts = [0; 3];
-            let mut path = Vec::new();
+            let mut counts = [0; 4];
+            let mut way = Way::default();
             for _ in 0..n {
-                match caster.cast(&mut rng, &mut path)? {
-                    Some(met) => {
+                match caster.cast(&mut rng, &mut way)? {
+                    Some([met, missed]) => {
                         counts[0] += 1;
                         counts[2] += met;
+                        counts[3] += missed;
                     }
                     None => counts[1] += 1,
                 }
@@ -50,15 +51,26 @@ pub(super) fn check(
         })
         .collect();
     for counts in chunks {
-        let [free, discarded, met] = counts?;
+        let [free, discarded, met, missed] = counts?;
         done.free += free;
         done.discarded += discarded;
         done.met += met;
+        done.missed += missed;
     }
     Ok(())
 }
 
-struct Caster<'a> {
+/// A segment's way through the cells.
+#[derive(Default)]
+pub(super) struct Way {
+    /// The cells, in order.
+    pub path: Vec<CellId>,
+    /// The edges through which it leaves one for the next.
+    pub exits: Vec<EdgeId>,
+}
+
+/// Finds segments that are free on the plan.
+pub(super) struct Caster<'a> {
     file: &'a PvsFile,
     graph: &'a CellGraph,
     walls: &'a Walls,
@@ -74,7 +86,7 @@ struct Caster<'a> {
 }
 
 impl<'a> Caster<'a> {
-    fn new(file: &'a PvsFile, walls: &'a Walls, outer: &'a [bool]) -> Self {
+    pub fn new(file: &'a PvsFile, walls: &'a Walls, outer: &'a [bool]) -> Self {
         let graph = &file.graph;
         let (low, high) = walls.all.extent();
         let largest = [low.x, low.y, high.x, high.y]
@@ -97,8 +109,36 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// Tries one segment. `None` if it is not free; otherwise the number of pairs of cells met.
-    fn cast(&self, rng: &mut Pcg64Mcg, path: &mut Vec<CellId>) -> Result<Option<u64>, Failure> {
+    /// Tries one segment. `None` if it is not free; otherwise the number of pairs of cells met, and of
+    /// those that are not listed, where the file does not claim to list all.
+    fn cast(&self, rng: &mut Pcg64Mcg, way: &mut Way) -> Result<Option<[u64; 2]>, Failure> {
+        let Some((from, to)) = self.segment(rng, way)? else {
+            return Ok(None);
+        };
+        let path = &way.path;
+        let pvs = &self.file.pvs;
+        let (mut met, mut missed) = (0, 0);
+        for (i, &a) in path.iter().enumerate() {
+            for &b in &path[i + 1..] {
+                if !pvs.sees(a, b) {
+                    if pvs.class.is_complete() {
+                        return Err(Failure::Missed { a, b, from, to });
+                    }
+                    missed += 1;
+                }
+                met += 1;
+            }
+        }
+        Ok(Some([met, missed]))
+    }
+
+    /// A random segment that touches no opaque wall, and its way through the cells; `None` if there was
+    /// none at the first try.
+    pub fn segment(
+        &self,
+        rng: &mut Pcg64Mcg,
+        way: &mut Way,
+    ) -> Result<Option<(GridPoint, GridPoint)>, Failure> {
         let Some((from, cell)) = self.start(rng) else {
             return Ok(None);
         };
@@ -109,19 +149,8 @@ impl<'a> Caster<'a> {
         if self.walls.opaque.touched(from, to) {
             return Ok(None);
         }
-        if !self.walk(from, to, cell, path)? {
-            return Ok(None);
-        }
-        let mut met = 0;
-        for (i, &a) in path.iter().enumerate() {
-            for &b in &path[i + 1..] {
-                if !self.file.pvs.sees(a, b) {
-                    return Err(Failure::Missed { a, b, from, to });
-                }
-                met += 1;
-            }
-        }
-        Ok(Some(met))
+        let proper = self.walk(from, to, cell, way)?;
+        Ok(proper.then_some((from, to)))
     }
 
     /// A grid point strictly inside a cell: anywhere in a random cell, or close to a corner where
@@ -214,9 +243,10 @@ impl<'a> Caster<'a> {
         from: GridPoint,
         to: GridPoint,
         start: CellId,
-        path: &mut Vec<CellId>,
+        Way { path, exits }: &mut Way,
     ) -> Result<bool, Failure> {
         path.clear();
+        exits.clear();
         path.push(start);
         let mut cell = start;
         loop {
@@ -262,6 +292,7 @@ impl<'a> Caster<'a> {
                 // Cannot happen where cells are convex and fit; but a file is not to be trusted.
                 return Ok(false);
             }
+            exits.push(exit);
             path.push(cell);
         }
     }

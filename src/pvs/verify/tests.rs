@@ -4,7 +4,8 @@ use super::*;
 use crate::cells::{Doors, Options, Subdivision, subdivide};
 use crate::level::{doom, snap, toml, wad};
 use crate::pvs::file::{decode, encode};
-use crate::pvs::{BitMatrix, Progress, sweep};
+use crate::pvs::sample::SampleOptions;
+use crate::pvs::{BitMatrix, Method, Progress, Pvs, flood, heights, sample, sweep};
 
 const FEW: VerifyOptions = VerifyOptions {
     segments: 20_000,
@@ -34,6 +35,13 @@ fn built(level: &Level, options: Options) -> PvsFile {
     decode(&encode(&LevelInfo::of(level), &graph, &pvs)).unwrap()
 }
 
+/// As [`built`], with heights.
+fn built_in_space(level: &Level, options: Options) -> PvsFile {
+    let graph = subdivide(level, &options);
+    let pvs = heights::heights(&graph, &Default::default(), &Progress::default());
+    decode(&encode(&LevelInfo::of(level), &graph, &pvs)).unwrap()
+}
+
 /// What `verify` says about cells made from one level that claim to be another's.
 fn claim(cells_of: &str, claimed: &str) -> Result<Verified, Failure> {
     let (made, claimed) = (read(cells_of), read(claimed));
@@ -57,17 +65,19 @@ fn every_sample_level_is_right() {
         let level = toml::read(&std::fs::read_to_string(path).unwrap(), &name).unwrap();
         for subdivision in Subdivision::ALL {
             for doors in [Doors::Open, Doors::Closed] {
-                let file = built(
-                    &level,
-                    Options {
-                        subdivision,
-                        doors,
-                        ..Options::default()
-                    },
-                );
-                match verify(&file, &level, &FEW, &Progress::default()) {
-                    Ok(done) => assert!(done.free > 1000 && done.inside > 500, "{name}: {done}"),
-                    Err(failure) => panic!("{name}: {}", failure.describe(&file, &level)),
+                let options = Options {
+                    subdivision,
+                    doors,
+                    ..Options::default()
+                };
+                for file in [built(&level, options), built_in_space(&level, options)] {
+                    match verify(&file, &level, &FEW, &Progress::default()) {
+                        Ok(done) => {
+                            let free = done.free > 1000 || (done.heights && done.portals < 10);
+                            assert!(free && done.inside > 500, "{name}: {done}");
+                        }
+                        Err(failure) => panic!("{name}: {}", failure.describe(&file, &level)),
+                    }
                 }
             }
         }
@@ -84,15 +94,56 @@ fn doom_maps_are_right() {
     for map in ["E1M1", "E2M3", "E4M6"] {
         let level = snap::snap(doom::read_map(&wad, map, "freedoom1.wad").unwrap()).unwrap();
         for subdivision in Subdivision::ALL {
-            let file = built(
-                &level,
-                Options {
-                    subdivision,
-                    ..Options::default()
-                },
-            );
-            if let Err(failure) = verify(&file, &level, &FEW, &Progress::default()) {
-                panic!("{map}: {}", failure.describe(&file, &level));
+            let options = Options {
+                subdivision,
+                ..Options::default()
+            };
+            for file in [built(&level, options), built_in_space(&level, options)] {
+                if let Err(failure) = verify(&file, &level, &FEW, &Progress::default()) {
+                    panic!("{map}: {}", failure.describe(&file, &level));
+                }
+            }
+        }
+    }
+}
+
+/// The file without one pair.
+fn without(right: &PvsFile, a: CellId, b: CellId) -> PvsFile {
+    let mut file = right.clone();
+    file.pvs.visible = BitMatrix::new(right.graph.cells.len());
+    for c in right.graph.cell_ids() {
+        let kept = |&d: &CellId| (c, d) != (a, b) && (d, c) != (a, b);
+        for d in right.pvs.seen_from(c).filter(kept) {
+            file.pvs.visible.set(c.0 as usize, d.0 as usize);
+        }
+    }
+    file
+}
+
+fn every_missing_pair_is_found(
+    level: &Level,
+    subdivisions: &[Subdivision],
+    built: impl Fn(&Level, Options) -> PvsFile,
+) {
+    for &subdivision in subdivisions {
+        let options = Options {
+            subdivision,
+            ..Options::default()
+        };
+        let right = built(level, options);
+        for a in right.graph.cell_ids() {
+            for b in right.pvs.seen_from(a).filter(|&b| a < b) {
+                let file = without(&right, a, b);
+                let found = verify(&file, level, &FEW, &Progress::default());
+                let missed = match found {
+                    Err(Failure::Missed { a, b, .. }) if !right.pvs.heights => Some((a, b)),
+                    Err(Failure::MissedInSpace { a, b, .. }) if right.pvs.heights => Some((a, b)),
+                    _ => None,
+                };
+                assert!(
+                    missed == Some((a, b)) || missed == Some((b, a)),
+                    "{subdivision:?} {a:?} {b:?}: {found:?}"
+                );
             }
         }
     }
@@ -100,40 +151,133 @@ fn doom_maps_are_right() {
 
 #[test]
 fn a_missing_pair_is_found() {
-    let level = read(TWO_ROOMS);
-    for subdivision in Subdivision::ALL {
-        let right = built(
-            &level,
-            Options {
-                subdivision,
-                ..Options::default()
-            },
-        );
-        let ids: Vec<CellId> = right.graph.cell_ids().collect();
-        for &a in &ids {
-            for &b in ids.iter().filter(|&&b| a < b && right.pvs.sees(a, b)) {
-                let mut file = right.clone();
-                file.pvs.visible = BitMatrix::new(ids.len());
-                for &c in &ids {
-                    for d in right
-                        .pvs
-                        .seen_from(c)
-                        .filter(|&d| (c, d) != (a, b) && (d, c) != (a, b))
-                    {
-                        file.pvs.visible.set(c.0 as usize, d.0 as usize);
-                    }
-                }
-                let found = verify(&file, &level, &FEW, &Progress::default());
-                let expected = |f| {
-                    matches!(f, Failure::Missed { a: x, b: y, .. }
-                    if (x, y) == (a, b) || (y, x) == (a, b))
-                };
-                assert!(
-                    found.is_err_and(expected),
-                    "{subdivision:?} {a:?} {b:?}: {found:?}"
+    every_missing_pair_is_found(&read(TWO_ROOMS), &Subdivision::ALL, built);
+}
+
+/// Three rooms; through the windows between them one sees only steeply, from the first up to the last.
+const STEEP: &str = r#"
+    [defaults]
+    ceiling = 9
+    [[room]]
+    name = "A"
+    rect = [0, 0, 4, 4]
+    [[room]]
+    name = "B"
+    rect = [4, 0, 5, 4]
+    [[room]]
+    name = "C"
+    rect = [5, 0, 9, 4]
+    floor = 4
+    [[window]]
+    between = ["A", "B"]
+    width = 1
+    bottom = 0.5
+    top = 0.75
+    [[window]]
+    between = ["B", "C"]
+    width = 2
+    bottom = 4.25
+    top = 4.5
+"#;
+
+#[test]
+fn a_missing_pair_in_space_is_found() {
+    every_missing_pair_is_found(&read(STEEP), &[Subdivision::Bsp], built_in_space);
+    let level = read(STEEP);
+    let mut file = built_in_space(&level, Options::default());
+    // The planar caster would find much of what heights hide; it must not be asked.
+    let done = verify(&file, &level, &FEW, &Progress::default()).unwrap();
+    assert!(done.heights && done.free > 1000, "{done}");
+    // Openings other than the level's are found out, wherever they come from.
+    for portal in &mut file.graph.portals {
+        portal.widest = portal.widest.map(|(_, top)| (top, top));
+    }
+    let pvs = heights::heights(&file.graph, &Default::default(), &Progress::default());
+    assert!(pvs.pairs() < file.pvs.pairs());
+    file.pvs = pvs;
+    let found = verify(&file, &level, &FEW, &Progress::default()).unwrap_err();
+    let words = found.describe(&file, &level);
+    assert!(
+        matches!(found, Failure::MissedInSpace { .. }) && words.contains("the straight line"),
+        "{words}"
+    );
+}
+
+/// The file with another PVS.
+fn with(file: &PvsFile, pvs: Pvs) -> PvsFile {
+    PvsFile {
+        pvs,
+        ..file.clone()
+    }
+}
+
+#[test]
+fn a_file_is_held_to_what_its_class_promises() {
+    let museum = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/museum.toml");
+    let level = read(&std::fs::read_to_string(museum).unwrap());
+    let exact = built(&level, Options::default());
+    let few = SampleOptions { rays: 2, seed: 1 };
+    let few = sample::sample(&exact.graph, &few, &Progress::default());
+    assert!(few.pairs() < exact.pvs.pairs());
+    for class in Class::ALL {
+        let claimed = Pvs {
+            class,
+            ..few.clone()
+        };
+        let file = with(&exact, claimed);
+        let found = verify(&file, &level, &FEW, &Progress::default());
+        match found {
+            Ok(done) => {
+                assert!(!class.is_complete() && done.missed > 0 && done.missed < done.met);
+                let said = format!(
+                    "{} not listed, as its class, {}",
+                    done.missed,
+                    class.as_str()
                 );
+                assert!(done.to_string().contains(&said), "{done}");
+            }
+            Err(failure) => {
+                assert!(class.is_complete() && matches!(failure, Failure::Missed { .. }));
+                let said = failure.describe(&file, &level);
+                assert!(said.contains(class.as_str()), "{said}");
             }
         }
+    }
+    let flooded = with(&exact, flood::flood(&exact.graph, &Progress::default()));
+    let done = verify(&flooded, &level, &FEW, &Progress::default()).unwrap();
+    assert_eq!((done.missed, done.class), (0, Class::Conservative));
+    assert!(done.to_string().contains("every one listed"), "{done}");
+}
+
+#[test]
+fn a_pair_that_no_portals_join_is_found() {
+    let level = read(
+        &TWO_ROOMS
+            .replace("[[door]]", "[[window]]")
+            .replace("width", "state = \"closed\"\nwidth"),
+    );
+    let options = Options {
+        doors: Doors::Closed,
+        ..Options::default()
+    };
+    let file = built(&level, options);
+    assert!(file.graph.portals.is_empty());
+    for class in Class::ALL {
+        let mut visible = BitMatrix::new(2);
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            visible.set(i, j);
+        }
+        let all = Pvs {
+            visible,
+            class,
+            method: Method::Flood,
+            ..file.pvs.clone()
+        };
+        let file = with(&file, all);
+        let found = verify(&file, &level, &FEW, &Progress::default());
+        let parted = Failure::Parted(CellId(0), CellId(1));
+        assert_eq!(found.err(), class.is_sound().then_some(parted));
+        assert!(parted.describe(&file, &level).contains("portals"));
     }
 }
 
@@ -259,4 +403,42 @@ mod geometry {
         );
         assert!(!touch(p(1, 2), p(1, 2), p(0, 0), p(2, 2)));
     }
+}
+
+/// Pairs spread over all of a level, asked one by one.
+#[test]
+fn single_pairs_agree_with_the_sweep() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    let mut levels = vec![root.join("tiny.toml"), root.join("museum.toml")];
+    for entry in std::fs::read_dir(root.join("hard")).unwrap() {
+        levels.push(entry.unwrap().path());
+    }
+    let mut seen = [0, 0];
+    for path in levels {
+        let Ok(level) = toml::read(&std::fs::read_to_string(&path).unwrap(), "level.toml") else {
+            continue;
+        };
+        for subdivision in Subdivision::ALL {
+            let options = Options {
+                subdivision,
+                ..Options::default()
+            };
+            let graph = subdivide(&level, &options);
+            let pvs = sweep::sweep(&graph, &Progress::default());
+            let caster = Caster::new(&level, &graph);
+            let n = graph.cells.len() as u32;
+            let pairs = (0..n * n).step_by((n * n / 40).max(1) as usize | 1);
+            for [a, b] in pairs.map(|i| [CellId(i / n), CellId(i % n)]) {
+                if a < b {
+                    let wanted = pvs.sees(a, b);
+                    let joined = caster.joined([a, b]);
+                    seen[usize::from(wanted)] += u32::from(joined.is_some());
+                    // Too many points are no answer.
+                    let agrees = joined.is_none_or(|joined| joined == wanted);
+                    assert!(agrees, "{path:?}, {subdivision:?}: {a:?} {b:?}");
+                }
+            }
+        }
+    }
+    assert!(seen[0] > 200 && seen[1] > 200, "{seen:?}");
 }

@@ -18,12 +18,14 @@ pub(super) struct Walls {
     pub opaque: Buckets,
     /// What stops sight or parts two places.
     pub all: Buckets,
+    /// Openings that have a bottom or a top of their own, and do not stop sight on the plan.
+    pub openings: Buckets,
 }
 
 impl Walls {
     pub fn new(level: &Level, doors: Doors) -> Self {
         let closed = doors == Doors::Closed;
-        let (mut opaque, mut all) = (Vec::new(), Vec::new());
+        let (mut opaque, mut all, mut openings) = (Vec::new(), Vec::new(), Vec::new());
         for (wall, id) in level.walls.iter().zip((0u32..).map(WallId)) {
             let whole = Stretch {
                 wall: id,
@@ -41,6 +43,10 @@ impl Walls {
             };
             if stops {
                 opaque.push(whole);
+            } else if let WallKind::Opening(opening) = &wall.kind
+                && (opening.bottom.is_some() || opening.top.is_some())
+            {
+                openings.push(whole);
             }
             if stops || !is_idle(wall) {
                 all.push(whole);
@@ -49,6 +55,7 @@ impl Walls {
         Self {
             opaque: Buckets::new(opaque),
             all: Buckets::new(all),
+            openings: Buckets::new(openings),
         }
     }
 }
@@ -208,6 +215,20 @@ impl Buckets {
             !hit
         });
         hit
+    }
+
+    /// The walls that the closed segment touches, each once.
+    pub fn touching(&self, p: GridPoint, q: GridPoint, found: &mut Vec<u32>) {
+        found.clear();
+        self.along(p, q, |bucket| {
+            found.extend(self.buckets[bucket].iter().filter(|&&i| {
+                let s = &self.list[i as usize];
+                touch(p, q, s.from, s.to)
+            }));
+            true
+        });
+        found.sort_unstable();
+        found.dedup();
     }
 
     /// Whether all walls that the closed segment touches are of one sort.

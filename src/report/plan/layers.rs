@@ -92,8 +92,12 @@ impl<'a> Layers<'a> {
                 other
             }
         });
-        // The source on top and with a border, so that the smallest cell is found.
-        let corners = self.corners(view.source);
+        ground.add(self.cell(view.source, source))
+    }
+
+    /// One cell with a border, so that the smallest is found.
+    pub fn cell(&self, cell: CellId, colour: &'static str) -> Path {
+        let corners = self.corners(cell);
         let (low, high) = corners
             .iter()
             .fold((corners[0], corners[0]), |(low, high), p| {
@@ -106,12 +110,10 @@ impl<'a> Layers<'a> {
         };
         let mut data = PathData::default();
         data.polygon(&corners);
-        let path = Path::new().set("d", data.0).set("fill", source);
-        ground.add(
-            path.set("stroke", source)
-                .set("stroke-width", border)
-                .set("stroke-linejoin", "round"),
-        )
+        let path = Path::new().set("d", data.0).set("fill", colour);
+        path.set("stroke", colour)
+            .set("stroke-width", border)
+            .set("stroke-linejoin", "round")
     }
 
     fn corners(&self, cell: CellId) -> Vec<glam::DVec2> {
@@ -120,7 +122,7 @@ impl<'a> Layers<'a> {
     }
 
     /// One path for each colour, so that no seams show between cells of the same colour.
-    fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
+    pub fn ground(&self, colour: impl Fn(CellId) -> &'static str) -> Group {
         let mut areas: BTreeMap<&str, PathData> = BTreeMap::new();
         for cell in self.graph.cell_ids() {
             areas

@@ -1,30 +1,32 @@
 //! What stands around the plan: title, scale bar and legend.
 
+use glam::DVec2;
 use svg::node::element::{Circle, Group, Line as LineElement, Path, Rectangle};
 
 use super::layers::{Layers, Line};
 use super::palette;
 use super::sheet::{ROW, Sheet, short};
-use super::{View, text, text_width};
+use super::{EyeView, Shown, eye, text, text_width};
 use crate::cells::CellGraph;
 use crate::level::Level;
-use crate::report::wording::{count, grouped, in_sector, unit};
+use crate::report::wording::{area, coordinate, count, grouped, in_sector, unit};
 
 const SIZE: f64 = 13.0;
 
 /// The level's name, and a line about what is shown.
-pub fn title(level: &Level, graph: &CellGraph, view: Option<&View>, sheet: &Sheet) -> Group {
+pub(super) fn title(level: &Level, graph: &CellGraph, shown: Shown, sheet: &Sheet) -> Group {
     let how = graph.options.subdivision.as_str();
     let doors = graph.options.doors.as_str();
-    let about = match view {
-        Some(view) => format!(
+    let about = match shown {
+        Shown::Cell(view) => format!(
             "Cell {}{} sees {} of {} ({how}, doors {doors})",
             view.source.0,
             in_sector(level, graph, view.source),
             grouped(view.pvs.visible.count(view.source.0 as usize) as u64),
             count(graph.cells.len(), "cell"),
         ),
-        None => {
+        Shown::Eye(view) => format!("{} ({how}, doors {doors})", of_eye(level, graph, view)),
+        Shown::Sectors => {
             let sectors = match level.sectors.len() {
                 0 => String::new(),
                 n => format!(" in {}", count(n, "sector")),
@@ -40,6 +42,31 @@ pub fn title(level: &Level, graph: &CellGraph, view: Option<&View>, sheet: &Shee
         .set("id", "title")
         .add(text(&level.name, sheet.side, 44.0, 25.0))
         .add(text(&about, sheet.side, 66.0, SIZE).set("fill", "#5c636e"))
+}
+
+/// `Eye at 1.00, 2.00 in 'Hall', looking 90° with 60° in view: sees 14 of the 53 cells of its PVS,
+/// 96.3 m²`
+fn of_eye(level: &Level, graph: &CellGraph, view: &EyeView) -> String {
+    let at = view.vista.eye().to_level(&graph.grid);
+    let place = match view.vista.own_cells() {
+        &[own] => in_sector(level, graph, own),
+        several => format!(" between {}", count(several.len(), "cell")),
+    };
+    let cone = if view.fov == 360.0 {
+        "looking all around".to_string()
+    } else {
+        // To a hundredth; f64 writes whole numbers without a point.
+        let [direction, fov] = [view.direction, view.fov].map(short);
+        format!("looking {direction}° with {fov}° in view")
+    };
+    format!(
+        "Eye at {}, {}{place}, {cone}: sees {} of the {} of its PVS, {}",
+        coordinate(level, at.x),
+        coordinate(level, at.y),
+        grouped(view.vista.cells().len() as u64),
+        count(view.n_pvs(graph), "cell"),
+        area(level, view.vista.area() * level.grid.step.length().powi(2)),
+    )
 }
 
 /// A bar of a round length, at most an eighth of the page wide, at the upper right.
@@ -77,7 +104,8 @@ pub fn scale_bar(level: &Level, sheet: &Sheet) -> Group {
         .add(text(&label, right + 10.0, y + 4.5, SIZE).set("stroke-width", 0))
 }
 
-enum Swatch {
+/// A sample of what is explained in the legend.
+pub enum Swatch {
     Area(&'static str),
     Stroke {
         colour: &'static str,
@@ -86,12 +114,14 @@ enum Swatch {
         inner: bool,
     },
     Sight,
+    Dot(&'static str),
+    Eye,
 }
 
 /// The colours and lines that occur in the picture, in rows below it; and how many rows.
-pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> (Group, usize) {
-    let mut items: Vec<(&str, Swatch)> = Vec::new();
-    if let Some(view) = view {
+pub(super) fn of_layers(layers: &Layers, shown: Shown, sheet: &Sheet) -> (Group, usize) {
+    let mut items: Vec<Item> = Vec::new();
+    if let Shown::Cell(view) = shown {
         let [source, seen, other] = palette::VIEW;
         items.push(("source cell", Swatch::Area(source)));
         items.push(("visible", Swatch::Area(seen)));
@@ -100,6 +130,27 @@ pub fn of_layers(layers: &Layers, view: Option<&View>, sheet: &Sheet) -> (Group,
             items.push(("sample sightlines", Swatch::Sight));
         }
     }
+    if let Shown::Eye(view) = shown {
+        let [seen, culled, other] = palette::EYE_VIEW;
+        let label = if view.fov == 360.0 {
+            "eye"
+        } else {
+            "eye and edges of its view"
+        };
+        items.push((label, Swatch::Eye));
+        items.push(("ground in sight", Swatch::Area(palette::IN_SIGHT)));
+        items.push(("rest of a cell in view", Swatch::Area(seen)));
+        items.push(("in the PVS, but not in view", Swatch::Area(culled)));
+        items.push(("not in the PVS", Swatch::Area(other)));
+    }
+    of_items(items, layers, sheet)
+}
+
+/// A sample with what it stands for.
+pub type Item = (&'static str, Swatch);
+
+/// As [`of_layers`], with some items first.
+pub fn of_items(mut items: Vec<Item>, layers: &Layers, sheet: &Sheet) -> (Group, usize) {
     let mut stroke = |line, label, colour, width, dashes, inner| {
         if layers.has(line) {
             items.push((
@@ -202,6 +253,16 @@ fn draw_swatch(group: Group, swatch: &Swatch, x: f64, y: f64) -> Group {
                 group
             }
         }
+        Swatch::Dot(colour) => group.add(
+            Circle::new()
+                .set("cx", short(x + 12.0))
+                .set("cy", short(y))
+                .set("r", 4.5)
+                .set("fill", colour),
+        ),
+        Swatch::Eye => group
+            .add(line(palette::EYE, 1.8))
+            .add(eye::dot(DVec2::new(x + 6.0, y))),
         Swatch::Sight => group.add(line(palette::SIGHT, 0.9)).add(
             Circle::new()
                 .set("cx", short(x + 24.0))

@@ -1,9 +1,13 @@
-//! Pictures of the plan: cells by sector, portals, walls and openings; or what one cell sees.
+//! Pictures of the plan: cells by sector, portals, walls and openings; or what one cell, or one eye,
+//! sees.
 //!
-//! In: a level, its cells, and for the second kind a source cell with its PVS. Out: an SVG document
-//! 1200 units wide. With a source it shows what the lecture's result (a) does: the source cell dark
-//! blue, its visible cells light blue, sample stabbing lines green.
+//! In: a level, its cells, and for the other kinds a source cell with its PVS, or an eye's view. Out:
+//! an SVG document 1200 units wide. With a source it shows what the lecture's result (a) does: the
+//! source cell dark blue, its visible cells light blue, sample stabbing lines green. With an eye,
+//! result (d): cells in view blue, the exact visible area blue-green, culled cells of the PVS green.
 
+mod explained;
+mod eye;
 mod layers;
 mod legend;
 mod names;
@@ -13,6 +17,8 @@ mod sheet;
 use svg::Document;
 use svg::node::element::Rectangle;
 
+pub use self::explained::draw_explained;
+pub use self::eye::EyeView;
 use self::layers::Layers;
 use self::sheet::Sheet;
 use super::sightlines::Sightline;
@@ -31,11 +37,33 @@ pub struct View<'a> {
     pub lines: Vec<Sightline>,
 }
 
+/// What a picture is about.
+#[derive(Clone, Copy)]
+enum Shown<'a> {
+    Sectors,
+    Cell(&'a View<'a>),
+    Eye(&'a EyeView<'a>),
+}
+
 /// Draws the plan. The document's `width` attribute is `width` pixels.
 pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -> Document {
+    picture(
+        level,
+        graph,
+        view.map_or(Shown::Sectors, Shown::Cell),
+        width,
+    )
+}
+
+/// Draws what an eye sees, as [`draw`] does.
+pub fn draw_eye(level: &Level, graph: &CellGraph, view: &EyeView, width: u32) -> Document {
+    picture(level, graph, Shown::Eye(view), width)
+}
+
+fn picture(level: &Level, graph: &CellGraph, shown: Shown, width: u32) -> Document {
     let sheet = Sheet::of(graph);
     let layers = Layers::new(level, graph, &sheet);
-    let (legend, rows) = legend::of_layers(&layers, view, &sheet);
+    let (legend, rows) = legend::of_layers(&layers, shown, &sheet);
     let height = sheet.height + (rows - 1) as f64 * sheet::ROW;
     let mut document = Document::new()
         .set("viewBox", (0, 0, sheet.width, height))
@@ -50,20 +78,25 @@ pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -
                 .set("fill", "white"),
         );
     let colours = palette::by_sector(graph, level.sectors.len());
-    document = match view {
-        None => document.add(layers.sectors(&colours)),
-        Some(view) => document.add(layers.visible(view)),
+    document = match shown {
+        Shown::Sectors => document.add(layers.sectors(&colours)),
+        Shown::Cell(view) => document.add(layers.visible(view)),
+        Shown::Eye(view) => document
+            .add(eye::cells(&layers, graph, view))
+            .add(eye::area(&sheet, view)),
     };
     document = document.add(layers.portals()).add(layers.steps());
-    if let Some(view) = view {
+    if let Shown::Cell(view) = shown {
         document = document.add(layers.sightlines(view));
     }
     document = document.add(layers.openings()).add(layers.walls());
-    if view.is_none() {
-        document = document.add(names::of_rooms(level, graph, &sheet, &colours));
-    }
+    document = match shown {
+        Shown::Sectors => document.add(names::of_rooms(level, graph, &sheet, &colours)),
+        Shown::Cell(_) => document,
+        Shown::Eye(view) => document.add(eye::eye(&sheet, view)),
+    };
     document
-        .add(legend::title(level, graph, view, &sheet))
+        .add(legend::title(level, graph, shown, &sheet))
         .add(legend::scale_bar(level, &sheet))
         .add(legend)
 }

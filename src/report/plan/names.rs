@@ -22,12 +22,28 @@ struct Frame {
 
 /// The names of all rooms and zones that have room for them, rooms in file order first.
 pub fn of_rooms(level: &Level, graph: &CellGraph, sheet: &Sheet, colours: &[&str]) -> Group {
+    beside(level, graph, sheet, colours, &[])
+}
+
+/// As [`of_rooms`], but none on some lines on the page.
+pub fn beside(
+    level: &Level,
+    graph: &CellGraph,
+    sheet: &Sheet,
+    colours: &[&str],
+    off: &[[DVec2; 2]],
+) -> Group {
     let mut group = Group::new().set("id", "names").set("text-anchor", "middle");
     if level.sectors.iter().all(|s| s.name.is_none()) {
         return group;
     }
     // Everything that a name should not lie on: all but the borders that the subdivision made.
-    let mut lines: Vec<[DVec2; 2]> = Vec::new();
+    let mut lines: Vec<[DVec2; 2]> = off.to_vec();
+    let [corner, size] = sheet.frame();
+    let shown = Frame {
+        low: corner,
+        high: corner + size,
+    };
     for id in (0..graph.edges.len() as u32).map(EdgeId) {
         if graph.edge(id).twin().is_none() || graph.edge(id).wall().is_some() {
             lines.push([graph.edge(id).origin, graph.end(id)].map(|v| sheet.vertex(graph, v)));
@@ -41,7 +57,7 @@ pub fn of_rooms(level: &Level, graph: &CellGraph, sheet: &Sheet, colours: &[&str
             .filter(|&c| graph.cell(c).sector.is_some_and(|s| s.0 as usize == i))
             .map(|c| corners(graph, sheet, c))
             .collect();
-        if let Some(placed) = place(name, &cells, &lines, &taken) {
+        if let Some(placed) = place(name, &cells, &lines, &taken, &shown) {
             taken.push(placed.frame());
             group = placed.draw(group, colours.get(i).copied().unwrap_or("white"));
         }
@@ -108,6 +124,7 @@ fn place(
     cells: &[Vec<DVec2>],
     lines: &[[DVec2; 2]],
     taken: &[Frame],
+    shown: &Frame,
 ) -> Option<Placed> {
     let area: f64 = cells.iter().map(|c| polygon_area(c)).sum();
     let middle = cells
@@ -120,6 +137,9 @@ fn place(
     }
     let points = || cells.iter().flatten().copied();
     let (low, high) = points().fold((middle, middle), |(l, h), p| (l.min(p), h.max(p)));
+    // Of a room that is shown in part, that part.
+    let (low, high) = (low.max(shown.low), high.min(shown.high));
+    let middle = middle.clamp(shown.low, shown.high);
     let mut spots: Vec<DVec2> = cells.iter().map(|c| centroid(c)).collect();
     const STEPS: usize = 24;
     for i in 1..STEPS {
@@ -147,7 +167,9 @@ fn place(
                     at,
                 };
                 let frame = placed.frame();
-                let free = !lines.iter().any(|l| meets(l, &frame))
+                let free = frame.low.cmpge(shown.low).all()
+                    && frame.high.cmple(shown.high).all()
+                    && !lines.iter().any(|l| meets(l, &frame))
                     && !taken.iter().any(|t| overlap(t, &frame));
                 if free {
                     return Some(placed);

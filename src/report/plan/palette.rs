@@ -31,6 +31,23 @@ pub const SIGHT: &str = "#12934a";
 /// The source cell, cells that it sees, and all others.
 pub const VIEW: [&str; 3] = ["#1f4e9e", "#a9cff3", "#f2f1ed"];
 
+/// The two cells of an explanation.
+pub const ENDS: [&str; 2] = ["#1f4e9e", "#7b3fa0"];
+/// Cells on the way between them that the first one sees, those that it does not, and all others.
+pub const BETWEEN: [&str; 3] = ["#c3ddf6", "#f6d9d0", "#f4f3ef"];
+/// Portals on the way.
+pub const PASSED: &str = "#0b8f86";
+/// The shortest way.
+pub const WAY: &str = "#5a4636";
+/// What stops or bounds sight on its left, and on its right.
+pub const BOUND: [&str; 2] = ["#c4202f", "#e07b00"];
+/// For an eye: cells in view, further cells of the PVS, and all others.
+pub const EYE_VIEW: [&str; 3] = ["#a9cff3", "#cbe6b4", "#f2f1ed"];
+/// The ground that an eye sees.
+pub const IN_SIGHT: &str = "#4db5ad";
+/// The eye, and the edges of its cone.
+pub const EYE: &str = "#0b4f4c";
+
 /// A colour for each sector. Sectors that share a corner differ as far as the colours go; the same
 /// level gets the same colours.
 pub fn by_sector(graph: &CellGraph, n_sectors: usize) -> Vec<&'static str> {

@@ -13,6 +13,10 @@ const MAX_PLAN_HEIGHT: f64 = 1400.0;
 const SIDE: f64 = 40.0;
 const TOP: f64 = 84.0;
 const BOTTOM: f64 = 44.0;
+/// What is shown around a part of a plan, in parts of its longer side.
+const MARGIN: f64 = 0.15;
+/// A part at least this long, compared with the whole, is not shown alone.
+const ENOUGH: f64 = 0.6;
 /// Height of a row of the legend.
 pub const ROW: f64 = 24.0;
 
@@ -32,17 +36,45 @@ pub struct Sheet {
     /// The page's point for the plan's upper left corner, and that corner in grid steps.
     origin: DVec2,
     corner: DVec2,
+    /// The plan's size on the page.
+    plan: DVec2,
+}
+
+/// The least box around some points.
+fn extent(points: impl Iterator<Item = DVec2>) -> Option<(DVec2, DVec2)> {
+    points.fold(None, |extent, p| {
+        let (low, high) = extent.unwrap_or((p, p));
+        Some((low.min(p), high.max(p)))
+    })
 }
 
 impl Sheet {
     /// A page that holds all cells.
     pub fn of(graph: &CellGraph) -> Sheet {
-        let points = graph.vertices.iter().map(Vertex::approx);
-        let extent = points.fold(None, |extent: Option<(DVec2, DVec2)>, p| {
-            let (low, high) = extent.unwrap_or((p, p));
-            Some((low.min(p), high.max(p)))
-        });
+        let extent = extent(graph.vertices.iter().map(Vertex::approx));
         let (low, high) = extent.unwrap_or((DVec2::ZERO, DVec2::new(4.0, 1.0)));
+        Sheet::between(low, high)
+    }
+
+    /// A page that holds some points with what is around them; all cells, if that is not much more.
+    pub fn around(graph: &CellGraph, points: impl Iterator<Item = DVec2>) -> Sheet {
+        let whole = extent(graph.vertices.iter().map(Vertex::approx));
+        let (Some((low, high)), Some((from, to))) = (whole, extent(points)) else {
+            return Sheet::of(graph);
+        };
+        let margin = DVec2::splat((to - from).max_element() * MARGIN);
+        let (from, to) = ((from - margin).max(low), (to + margin).min(high));
+        let part = (to - from).max_element() / (high - low).max_element();
+        if part > ENOUGH {
+            return Sheet::between(low, high);
+        }
+        // Not flatter than half a square, so that there is something to see.
+        let side = (to - from).max_element();
+        let lacking = (DVec2::splat(side / 2.0) - (to - from)).max(DVec2::ZERO) / 2.0;
+        Sheet::between((from - lacking).max(low), (to + lacking).min(high))
+    }
+
+    fn between(low: DVec2, high: DVec2) -> Sheet {
         let size = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
         let scale = ((WIDTH - 2.0 * SIDE) / size.x).min(MAX_PLAN_HEIGHT / size.y);
         let left = (WIDTH - size.x * scale) / 2.0;
@@ -54,7 +86,19 @@ impl Sheet {
             side: SIDE,
             origin: DVec2::new(left, TOP),
             corner: DVec2::new(low.x, high.y),
+            plan: size * scale,
         }
+    }
+
+    /// Whether only a part of the plan is shown.
+    pub fn is_part(&self, graph: &CellGraph) -> bool {
+        let whole = Sheet::of(graph);
+        (whole.scale, whole.corner) != (self.scale, self.corner)
+    }
+
+    /// The plan's upper left corner and its size, on the page.
+    pub fn frame(&self) -> [DVec2; 2] {
+        [self.origin, self.plan]
     }
 
     /// A place in grid steps on the page.
