@@ -8,6 +8,7 @@ pub mod beam;
 mod brute;
 pub mod camera;
 pub mod cast;
+pub mod dress;
 pub mod light;
 pub mod ray;
 pub mod sampling;
