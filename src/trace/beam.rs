@@ -291,7 +291,15 @@ fn at_edge(
         Sign::Negative => {}
     }
     if border.twin == WALL {
-        return end(Surface::Wall(EdgeId(edge)));
+        let wall = end(Surface::Wall(EdgeId(edge)));
+        if !border.outside {
+            return wall;
+        }
+        return match (above(border.bottom), above(border.top)) {
+            (Sign::Negative, _) | (_, Sign::Positive) => wall,
+            (Sign::Positive, Sign::Negative) => end(Surface::Outside(EdgeId(edge))),
+            _ => Fate::Parts,
+        };
     }
     if border.bottom > cell.floor {
         match above(border.bottom) {
@@ -331,7 +339,11 @@ fn fill(space: &Space, bundle: &impl Bundle, area: &Area, surface: Surface, dept
             let rise = space.cell(id.0).ceiling - origin.z;
             each(depths, &|d| (rise / d.z).max(0.0));
         }
-        Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
+        Surface::Wall(e)
+        | Surface::Step(e)
+        | Surface::Lintel(e)
+        | Surface::Pane(e)
+        | Surface::Outside(e) => {
             let edge = space.edge(e.0);
             let (a, b) = (space.vertex(edge.from) - o, space.vertex(edge.to) - o);
             let across = a.x * b.y - a.y * b.x;

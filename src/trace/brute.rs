@@ -23,7 +23,11 @@ pub fn nearest(
         }
         let met = match surface {
             Surface::Floor(id) | Surface::Ceiling(id) => flat(space, &course, surface, id, start),
-            Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => {
                 upright(space, &course, surface, e)
             }
         };

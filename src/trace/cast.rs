@@ -150,7 +150,11 @@ impl<'a> Course<'a> {
 pub(super) fn face(border: &Border, edge: u32, z: f64) -> Option<Surface> {
     let id = EdgeId(edge);
     if border.twin == WALL {
-        Some(Surface::Wall(id))
+        if border.outside && (border.bottom..=border.top).contains(&z) {
+            Some(Surface::Outside(id))
+        } else {
+            Some(Surface::Wall(id))
+        }
     } else if z < border.bottom {
         Some(Surface::Step(id))
     } else if z > border.top {
@@ -166,7 +170,11 @@ pub(super) fn face(border: &Border, edge: u32, z: f64) -> Option<Surface> {
 fn edge_of(surface: Surface) -> Option<u32> {
     match surface {
         Surface::Floor(_) | Surface::Ceiling(_) => None,
-        Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => Some(e.0),
+        Surface::Wall(e)
+        | Surface::Step(e)
+        | Surface::Lintel(e)
+        | Surface::Pane(e)
+        | Surface::Outside(e) => Some(e.0),
     }
 }
 

@@ -23,6 +23,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
+use super::image::{decode, to_linear};
 use super::space::{Border, Space, Surface, WALL};
 use crate::cells::{CellGraph, EdgeId};
 use crate::level::doom::graphics::Picture;
@@ -116,9 +117,7 @@ impl Wardrobe {
         if dress.is_empty() {
             return None;
         }
-        let linear: Vec<f64> = (0..=255u8)
-            .map(|c| from_srgb(f64::from(c) / 255.0))
-            .collect();
+        let linear: Vec<f64> = (0..=255u8).map(to_linear).collect();
         let tailor = Tailor {
             level,
             graph,
@@ -138,7 +137,7 @@ impl Wardrobe {
         };
         let edge_light = |e: EdgeId| {
             let cell = graph.cell(graph.edge(e).cell);
-            from_srgb((light(cell.sector) + contrast(space, e)).clamp(0.0, 1.0))
+            decode((light(cell.sector) + contrast(space, e)).clamp(0.0, 1.0))
         };
         Some(Self {
             floors: flat(Dress::floor),
@@ -146,7 +145,7 @@ impl Wardrobe {
             walls: edges().map(|e| tailor.wall_or_step(e)).collect(),
             lintels: edges().map(|e| tailor.lintel(e)).collect(),
             gratings: edges().map(|e| tailor.grating(e)).collect(),
-            cell_light: sectors().map(|s| from_srgb(light(s))).collect(),
+            cell_light: sectors().map(|s| decode(light(s))).collect(),
             edge_light: edges().map(edge_light).collect(),
             sky: dress.sky.and_then(|id| sky(id, &pictures, &linear)),
             // Pictures that are missing are worn nowhere.
@@ -167,6 +166,8 @@ impl Wardrobe {
             Surface::Wall(e) | Surface::Step(e) => &self.walls[e.0 as usize],
             Surface::Lintel(e) => &self.lintels[e.0 as usize],
             Surface::Pane(e) => &self.gratings[e.0 as usize],
+            // Doom maps have no windows.
+            Surface::Outside(_) => &Wear::Bare,
         }
     }
 
@@ -175,6 +176,8 @@ impl Wardrobe {
     pub fn look(&self, surface: Surface, point: DVec3) -> Look {
         match self.wear(surface) {
             Wear::Sky => Look::Sky,
+            // A picture that is missing hides nothing.
+            Wear::Bare if matches!(surface, Surface::Pane(_)) => Look::Hole,
             Wear::Bare => Look::Bare,
             Wear::Picture(layout) => match self.texel(layout, point) {
                 // Only what hangs free in an opening has holes.
@@ -196,9 +199,11 @@ impl Wardrobe {
     pub fn light(&self, surface: Surface) -> f64 {
         match surface {
             Surface::Floor(c) | Surface::Ceiling(c) => self.cell_light[c.0 as usize],
-            Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
-                self.edge_light[e.0 as usize]
-            }
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => self.edge_light[e.0 as usize],
         }
     }
 
@@ -208,24 +213,22 @@ impl Wardrobe {
         self.cell_light[cell.0 as usize]
     }
 
-    /// The sky's colour in a direction, linear; black if there is none.
-    pub fn sky(&self, direction: DVec3) -> DVec3 {
-        let Some(sky) = &self.sky else {
-            return DVec3::ZERO;
-        };
+    /// The sky's colour in a direction, linear, if there is a picture of it.
+    pub fn sky(&self, direction: DVec3) -> Option<DVec3> {
+        let sky = self.sky.as_ref()?;
         let picture = &self.pictures[sky.picture as usize];
         let flat = direction.truncate();
         let column = flat.to_angle() / TAU * SKY_TURN;
         let row = HORIZON - direction.z / flat.length() * (SKY_TURN / TAU);
         // Straight up and down there is no column.
         if row.is_nan() || row < 0.0 {
-            return sky.top;
+            return Some(sky.top);
         }
         let column = (column.floor() as i64).rem_euclid(picture.width.into());
         let last = f64::from(picture.height - 1);
         let texel = self.colour(picture, column as usize, row.min(last) as usize);
         let texel = texel.unwrap_or(sky.top);
-        sky.top.lerp(texel, (row / SKY_FADE).min(1.0))
+        Some(sky.top.lerp(texel, (row / SKY_FADE).min(1.0)))
     }
 
     /// `None` where the picture is clear.
@@ -415,7 +418,6 @@ impl<'a> Tailor<'a> {
                 once: true,
                 ..layout
             }),
-            // A picture that is missing hides nothing.
             other => other,
         }
     }
@@ -506,15 +508,6 @@ fn contrast(space: &Space, edge: EdgeId) -> f64 {
         CONTRAST
     } else {
         0.0
-    }
-}
-
-/// From sRGB's encoding to linear light, both 0 to 1 (IEC 61966-2-1).
-fn from_srgb(c: f64) -> f64 {
-    if c <= 0.04045 {
-        c / 12.92
-    } else {
-        ((c + 0.055) / 1.055).powf(2.4)
     }
 }
 

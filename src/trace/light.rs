@@ -31,6 +31,14 @@ pub fn is_area(light: &Light) -> bool {
     }
 }
 
+/// The sample that picks the middle of a source, as seen from anywhere.
+pub fn middle(light: &Light) -> DVec2 {
+    match light.shape {
+        LightShape::Sphere { .. } => DVec2::ZERO,
+        _ => DVec2::splat(0.5),
+    }
+}
+
 /// The light that comes to `point` from the part of the source that `sample` picks (a point of the
 /// unit square; sources without extent take no notice). Averaged over the square, the intensities
 /// are those of the whole source. `None` where none comes: outside of a spot's cone, behind a

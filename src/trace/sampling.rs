@@ -39,6 +39,11 @@ impl Source {
     }
 }
 
+/// A key for a branch of what another key stands for: of a path of rays, its reflected part.
+pub fn branch(key: u64, number: u64) -> u64 {
+    mix(key ^ mix(number))
+}
+
 /// One step of a 64-bit hash (the finaliser of SplitMix64).
 fn mix(n: u64) -> u64 {
     let mut z = n.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -10,10 +10,10 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
 use super::dress::side_at;
-use crate::cells::{CellGraph, CellId, EdgeId};
+use crate::cells::{CellGraph, CellId, Doors, EdgeId};
 use crate::geom::Line;
 use crate::level::scene::MaterialId;
-use crate::level::{Height, Level, OpeningStyle, WallKind};
+use crate::level::{Height, Level, Opening, OpeningStyle, WallKind};
 
 /// Cells with flat floors and ceilings, in the level's own unit.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub struct Chamber {
     pub floor: f64,
     /// z of the ceiling; `∞` in a level without heights.
     pub ceiling: f64,
+    /// Whether it is open to the sky: then its ceiling only says where the sky begins.
+    pub sky: bool,
 }
 
 /// What stands on an edge of a cell: a wall from floor to ceiling, or an opening with what is
@@ -58,6 +60,8 @@ pub struct Border {
     pub top: f64,
     /// What fills the opening, as seen from the edge's cell.
     pub pane: Option<Pane>,
+    /// Whether the opening looks out of the level: there is no twin, and light comes in.
+    pub outside: bool,
     /// The line that it lies on: edges whose walls lie on one line have the same number.
     pub line: u32,
 }
@@ -90,6 +94,13 @@ pub enum Surface {
     Lintel(EdgeId),
     /// What fills an opening.
     Pane(EdgeId),
+    /// An opening that looks out of the level.
+    Outside(EdgeId),
+}
+
+/// What a ceiling's material is called where there is no ceiling: `sky` in any case, and Doom's sky.
+fn is_sky(name: &str) -> bool {
+    name.eq_ignore_ascii_case("sky") || name == "F_SKY1"
 }
 
 impl Space {
@@ -107,6 +118,7 @@ impl Space {
                 past: edges.end,
                 floor: sector.map_or(f64::NEG_INFINITY, |s| rest(s.floor)),
                 ceiling: sector.map_or(f64::INFINITY, |s| rest(s.ceiling)),
+                sky: sector.is_some_and(|s| s.ceiling_material.as_deref().is_some_and(is_sky)),
             }
         });
         let mut lines: FxHashMap<Line, u32> = FxHashMap::default();
@@ -117,14 +129,16 @@ impl Space {
                 let new = lines.len() as u32;
                 let line = wall.and_then(|w| Line::through(w.from, w.to));
                 let line = line.map(|line| *lines.entry(line).or_insert(new));
+                let out = outside(level, graph, EdgeId(i));
                 Border {
                     from: edge.origin.0,
                     to: graph.end(EdgeId(i)).0,
                     cell: edge.cell.0,
                     twin: edge.twin().map_or(WALL, |t| t.0),
-                    bottom: f64::NEG_INFINITY,
-                    top: f64::INFINITY,
+                    bottom: out.and_then(|o| o.bottom).unwrap_or(f64::NEG_INFINITY),
+                    top: out.and_then(|o| o.top).unwrap_or(f64::INFINITY),
                     pane: pane(level, graph, EdgeId(i)),
+                    outside: out.is_some(),
                     line: line.unwrap_or(u32::MAX - i),
                 }
             })
@@ -189,7 +203,11 @@ impl Space {
         match surface {
             Surface::Floor(_) => DVec3::Z,
             Surface::Ceiling(_) => DVec3::NEG_Z,
-            Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => {
                 let edge = self.edge(e.0);
                 let along = self.vertex(edge.to) - self.vertex(edge.from);
                 along.perp().normalize().extend(0.0)
@@ -210,9 +228,11 @@ impl Space {
         match surface {
             Surface::Floor(c) => Plane::Level(self.cell(c.0).floor),
             Surface::Ceiling(c) => Plane::Level(self.cell(c.0).ceiling),
-            Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
-                Plane::Upright(self.edge(e.0).line)
-            }
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => Plane::Upright(self.edge(e.0).line),
         }
     }
 
@@ -232,6 +252,9 @@ impl Space {
             let (id, cell) = (EdgeId(id), self.cell(edge.cell));
             if edge.twin == WALL {
                 list.push(Surface::Wall(id));
+                if edge.outside {
+                    list.push(Surface::Outside(id));
+                }
                 continue;
             }
             if edge.bottom > cell.floor {
@@ -257,9 +280,21 @@ enum Plane {
     Level(f64),
 }
 
+/// The opening on an edge, if it leads out of the level and is open.
+fn outside<'a>(level: &'a Level, graph: &CellGraph, edge: EdgeId) -> Option<&'a Opening> {
+    let edge = graph.edge(edge);
+    if edge.twin().is_some() {
+        return None;
+    }
+    let closed = graph.options.doors == Doors::Closed;
+    match &level.walls[edge.wall()?.0 as usize].kind {
+        WallKind::Opening(opening) => (!(opening.shut && closed)).then_some(opening),
+        _ => None,
+    }
+}
+
 /// The glass in a window, if its opening names a material.
 fn pane(level: &Level, graph: &CellGraph, edge: EdgeId) -> Option<Pane> {
-    graph.edge(edge).twin()?;
     let wall = &level.walls[graph.edge(edge).wall()?.0 as usize];
     match &wall.kind {
         WallKind::Opening(opening) if opening.style == OpeningStyle::Window => {

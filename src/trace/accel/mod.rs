@@ -218,6 +218,14 @@ impl Structure {
         }
     }
 
+    /// As [`Structure::new`], for primitives among others that reach as far as that: structures with
+    /// the same reach give the same contacts, to the last bit, of the primitives that they share.
+    pub fn within<P: Primitives>(kind: Kind, primitives: &P, reach: f64) -> Self {
+        let mut structure = Self::new(kind, primitives);
+        structure.reach = structure.reach.max(reach);
+        structure
+    }
+
     /// The box around all primitives.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
