@@ -263,8 +263,42 @@ fn rings(p: DVec2) -> Colour {
     shade(PAINTS[pick], 0.9 + 0.2 * wobble)
 }
 
+/// Stained glass: panes around scattered points (Worley, 1996), with lead between them.
+fn stained(p: DVec2) -> Colour {
+    const PANES: [Colour; 7] = [
+        [0.85, 0.12, 0.10],
+        [0.12, 0.22, 0.80],
+        [0.12, 0.40, 0.90],
+        [0.95, 0.72, 0.15],
+        [0.15, 0.60, 0.30],
+        [0.55, 0.15, 0.60],
+        [0.90, 0.88, 0.80],
+    ];
+    const N: i64 = 7;
+    let at = p * N as f64;
+    let (mut first, mut second, mut pick) = (f64::MAX, f64::MAX, 0);
+    for dy in -1..=1 {
+        for dx in -1..=1 {
+            let (x, y) = (at.x.floor() as i64 + dx, at.y.floor() as i64 + dy);
+            let (wx, wy) = (x.rem_euclid(N), y.rem_euclid(N));
+            let jitter = DVec2::new(hash(wx, wy, 151), hash(wx, wy, 152)) * 0.8 + 0.1;
+            let d = (DVec2::new(x as f64, y as f64) + jitter - at).length();
+            if d < first {
+                (second, first) = (first, d);
+                pick = (hash(wx, wy, 153) * 7.0) as usize;
+            } else if d < second {
+                second = d;
+            }
+        }
+    }
+    if second - first < 0.09 {
+        return [0.03, 0.03, 0.03];
+    }
+    shade(PANES[pick], 0.85 + 0.15 * clouds(p * 8.0, 8, 2, 161))
+}
+
 /// Name, size and colours of every texture.
-const TEXTURES: [(&str, [u32; 2], fn(DVec2) -> Colour); 7] = [
+const TEXTURES: [(&str, [u32; 2], fn(DVec2) -> Colour); 8] = [
     ("planks", [256, 256], planks),
     ("marble", [192, 192], marble),
     ("chequers", [192, 192], chequers),
@@ -272,6 +306,7 @@ const TEXTURES: [(&str, [u32; 2], fn(DVec2) -> Colour); 7] = [
     ("hills", [256, 192], hills),
     ("fields", [192, 192], fields),
     ("rings", [256, 192], rings),
+    ("stained", [192, 192], stained),
 ];
 
 /// The picture, in steps of 3 of 255, so that it packs well.
