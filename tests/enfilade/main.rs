@@ -23,6 +23,7 @@ mod pictures;
 mod programme;
 mod pixels;
 mod property;
+mod props;
 mod readers;
 mod readme;
 mod regression;

@@ -25,13 +25,15 @@ pub use furniture::Standing;
 pub use meet::{Departure, Hit, Tracer, What};
 
 use super::accel::{Bounds, Primitives};
+use super::dress::{Look, Wardrobe, Wear};
 use super::image::Image;
 use super::shapes::Objects;
 use super::shapes::mesh::{MeshError, Points};
 use super::shapes::polygon::PolygonError;
-use super::space::{Space, Surface};
+use super::space::{Pane, Space, Surface};
 use crate::cells::{CellGraph, CellId, Locator};
 use crate::level::Level;
+use crate::level::doom::graphics;
 use crate::level::scene::{Light, Material};
 use crate::pvs::Pvs;
 
@@ -42,6 +44,8 @@ pub struct Files {
     pub meshes: FxHashMap<String, Points>,
     /// Pictures of the materials.
     pub pictures: FxHashMap<String, Image>,
+    /// The pictures that the level's dress names, in its order; empty if it has none.
+    pub dress: Vec<Option<graphics::Picture>>,
 }
 
 /// Index into [`World::materials`].
@@ -60,6 +64,8 @@ pub struct World {
     /// By material: its picture in `pictures`.
     pub picture_of: Vec<Option<u32>>,
     paint: paint::Paint,
+    /// What surfaces wear instead, in a Doom map.
+    pub wardrobe: Option<Wardrobe>,
     /// The objects' shapes, numbered as `standing`.
     pub objects: Objects,
     /// What else there is to say of the objects, in the level's order.
@@ -71,6 +77,8 @@ pub struct World {
     /// The greatest coordinate of anything, for the margins of structures.
     reach: f64,
     surfaces: Vec<Surface>,
+    /// Unit normals of what stands on the edges, into their cells.
+    normals: Vec<DVec3>,
     /// The lights: the level's, or if it has none the usual ones.
     pub lights: Vec<Light>,
     /// Whether a light shines from outside of the level, by light.
@@ -83,8 +91,6 @@ pub struct World {
     pub ambient: Vec<f64>,
     /// Whether no object lets light pass: then shadow rays may stop at any.
     pub opaque: bool,
-    /// Whether there is no glass in any opening.
-    pub paneless: bool,
 }
 
 /// Why a level cannot be made into a world.
@@ -199,7 +205,7 @@ impl World {
         files: &Files,
         ambient: f64,
     ) -> Result<Self, WorldError> {
-        let space = Space::new(level, graph);
+        let space = Space::with_gratings(level, graph);
         let heights = |c: &super::space::Chamber| c.floor.is_finite() && c.ceiling.is_finite();
         if !space.cells.iter().all(heights) {
             return Err(WorldError::Flat);
@@ -215,6 +221,7 @@ impl World {
         let reach = furniture::reach(&space, &objects);
         let chambers = furniture::furnish(&space, &objects, &standing, reach);
         let all = furniture::Furniture::all(&objects, furniture::kind(objects.len()), reach);
+        let wardrobe = Wardrobe::new(level, graph, &space, files.dress.clone());
         let lamps = lamps::lamps(level, graph, &space, pvs);
         let see_through = |s: &Standing| {
             let m = &materials[s.material.0 as usize];
@@ -223,13 +230,14 @@ impl World {
         Ok(Self {
             ambient: lamps::ambient(level, graph, ambient),
             opaque: !standing.iter().any(see_through),
-            paneless: space.edges.iter().all(|e| e.pane.is_none()),
+            normals: normals(&space),
             surfaces: space.surfaces(),
             space,
             materials,
             pictures,
             picture_of,
             paint,
+            wardrobe,
             objects,
             standing,
             all,
@@ -256,13 +264,19 @@ impl World {
                 Some(self.paint.walls[e.0 as usize])
             }
             Surface::Pane(e) | Surface::Outside(e) => {
-                self.space.edge(e.0).pane.map(|m| MaterialIndex(m.0))
+                match self.space.edge(e.0).pane? {
+                    Pane::Glass(m) => Some(MaterialIndex(m.0)),
+                    Pane::Grating => Some(self.paint.walls[e.0 as usize]),
+                }
             }
         }
     }
 
     /// Whether what looks like a surface is the sky.
     pub fn is_sky(&self, surface: Surface) -> bool {
+        if let Some(wardrobe) = &self.wardrobe {
+            return *wardrobe.wear(surface) == Wear::Sky;
+        }
         let sky = |c: CellId| self.space.cell(c.0).sky;
         match surface {
             Surface::Outside(_) => true,
@@ -278,7 +292,26 @@ impl World {
 
     /// The sky's colour in a direction.
     pub fn sky(&self, direction: DVec3) -> DVec3 {
-        lamps::sky(direction)
+        let own = self.wardrobe.as_ref().and_then(|w| w.sky(direction));
+        own.unwrap_or_else(|| lamps::sky(direction))
+    }
+
+    /// What a Doom map shows in a point of a surface.
+    #[inline]
+    pub fn look(&self, hit: &Hit) -> Look {
+        match (&self.wardrobe, hit.what) {
+            (Some(wardrobe), What::Surface(surface)) => wardrobe.look(surface, hit.point),
+            _ => Look::Bare,
+        }
+    }
+
+    /// The ambient term Ia at a hit.
+    #[inline]
+    pub fn ambient_at(&self, hit: &Hit) -> f64 {
+        match (&self.wardrobe, hit.what) {
+            (Some(wardrobe), What::Surface(surface)) => wardrobe.light(surface),
+            _ => self.ambient[hit.cell.0 as usize],
+        }
     }
 
     /// Middle (of mass) and area of a cell on the plan.
@@ -289,6 +322,20 @@ impl World {
     /// Every surface of the level.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
+    }
+
+    /// The unit normal of a surface, into the cell from which it is seen.
+    #[inline]
+    pub fn normal(&self, surface: Surface) -> DVec3 {
+        match surface {
+            Surface::Floor(_) => DVec3::Z,
+            Surface::Ceiling(_) => DVec3::NEG_Z,
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => self.normals[e.0 as usize],
+        }
     }
 
     /// Lights that can reach a cell.
@@ -310,6 +357,12 @@ impl World {
     pub fn bounds(&self) -> Bounds {
         furniture::bounds(&self.space, &self.objects)
     }
+}
+
+/// By edge.
+fn normals(space: &Space) -> Vec<DVec3> {
+    let edges = (0..space.edges.len() as u32).map(crate::cells::EdgeId);
+    edges.map(|e| space.normal(Surface::Wall(e))).collect()
 }
 
 /// The cell of an eye, exactly.
