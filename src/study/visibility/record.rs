@@ -164,7 +164,7 @@ pub struct Spread {
 
 impl Spread {
     /// Of at least one time.
-    pub(super) fn of(times: &[f64]) -> Option<Self> {
+    pub(crate) fn of(times: &[f64]) -> Option<Self> {
         let mut sorted = times.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (min, max) = (*sorted.first()?, *sorted.last()?);

@@ -280,10 +280,11 @@ impl Furniture {
         cast: &Cast,
         start: Option<&Start>,
         limit: f64,
+        count: &mut impl Count,
     ) -> Option<Found> {
         let structure = self.structure.as_ref()?;
         let (some, start) = (self.listed(objects), self.renumber(start));
-        let found = structure.nearest(&some, cast, start.as_ref(), limit, &mut ())?;
+        let found = structure.nearest(&some, cast, start.as_ref(), limit, count)?;
         Some(self.number(found))
     }
 
@@ -353,7 +354,6 @@ impl Primitives for Listed<'_> {
         count: &mut C,
     ) -> Option<Contact> {
         let number = self.list[primitive as usize];
-        self.objects
-            .contact(number, cast, from, want, limit, count)
+        self.objects.contact(number, cast, from, want, limit, count)
     }
 }

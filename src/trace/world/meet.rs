@@ -9,9 +9,7 @@ use glam::{DVec2, DVec3};
 use super::furniture::Furniture;
 use super::{MaterialIndex, World};
 use crate::cells::CellId;
-use crate::trace::accel::{
-    Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want,
-};
+use crate::trace::accel::{Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want};
 use crate::trace::brute;
 use crate::trace::cast::{Met, Place, walk};
 use crate::trace::ray::{Ray, Start};
@@ -140,23 +138,53 @@ impl<'a> Tracer<'a> {
         matches!(self.way, Way::Portal)
     }
 
-    /// The first thing that the ray meets, up to `limit`.
-    pub fn nearest(&self, ray: &Ray, from: &Departure, limit: f64) -> Option<Meeting> {
+    /// Memory that its structure takes; none for walking, which needs only the cells.
+    pub fn bytes(&self) -> usize {
         match &self.way {
-            Way::Portal => self.walk(ray, from, limit),
-            Way::Brute(objects) => self.brute_force(objects, ray, from, limit),
-            Way::Structure(structure) => self.search(structure, ray, from, limit),
+            Way::Portal | Way::Brute(_) => 0,
+            Way::Structure(structure) => structure.bytes(),
         }
     }
 
-    fn walk(&self, ray: &Ray, from: &Departure, limit: f64) -> Option<Meeting> {
+    /// The first thing that the ray meets, up to `limit`.
+    #[inline]
+    pub fn nearest(&self, ray: &Ray, from: &Departure, limit: f64) -> Option<Meeting> {
+        self.nearest_counting(ray, from, limit, &mut ())
+    }
+
+    /// As [`Tracer::nearest`], telling every step: a cell walked through counts as a cell, a surface
+    /// of the level as a primitive if it was tested by itself.
+    pub fn nearest_counting(
+        &self,
+        ray: &Ray,
+        from: &Departure,
+        limit: f64,
+        count: &mut impl Count,
+    ) -> Option<Meeting> {
+        match &self.way {
+            Way::Portal => self.walk(ray, from, limit, count),
+            Way::Brute(objects) => self.brute_force(objects, ray, from, limit, count),
+            Way::Structure(structure) => self.search(structure, ray, from, limit, count),
+        }
+    }
+
+    fn walk(
+        &self,
+        ray: &Ray,
+        from: &Departure,
+        limit: f64,
+        count: &mut impl Count,
+    ) -> Option<Meeting> {
         let world = self.world;
         if world.objects.is_empty() {
-            let met = walk(&world.space, ray, from.place, limit, |_, _| limit);
+            let met = walk(&world.space, ray, from.place, limit, |_, _| {
+                count.cell();
+                limit
+            });
             return match met {
                 Some(met) if met.t.is_finite() => Some(Meeting::Surface(met)),
                 _ if limit.is_finite() => None,
-                _ => self.brute_force(&world.all, ray, from, limit),
+                _ => self.brute_force(&world.all, ray, from, limit, count),
             };
         }
         let mut cast = None;
@@ -164,11 +192,13 @@ impl<'a> Tracer<'a> {
         let mut nearest = limit;
         let mut last = from.place.cell;
         let met = walk(&world.space, ray, from.place, limit, |cell, _| {
+            count.cell();
             last = cell;
             let furniture = &world.chambers[cell.0 as usize];
             if !furniture.list.is_empty() {
                 let cast = cast.get_or_insert_with(|| Cast::new(*ray));
-                let found = furniture.nearest(&world.objects, cast, from.start.as_ref(), nearest);
+                let start = from.start.as_ref();
+                let found = furniture.nearest(&world.objects, cast, start, nearest, count);
                 if let Some(found) = found.filter(|f| better(f, best.as_ref())) {
                     nearest = found.contact.t;
                     best = Some(found);
@@ -181,7 +211,7 @@ impl<'a> Tracer<'a> {
             (None, Some(found)) => Some(Meeting::Object(found, last)),
             _ if limit.is_finite() => None,
             // Rounding has led the ray past the cell in which it starts.
-            _ => self.brute_force(&world.all, ray, from, limit),
+            _ => self.brute_force(&world.all, ray, from, limit, count),
         }
     }
 
@@ -192,14 +222,16 @@ impl<'a> Tracer<'a> {
         ray: &Ray,
         from: &Departure,
         limit: f64,
+        count: &mut impl Count,
     ) -> Option<Meeting> {
         let world = self.world;
+        world.surfaces.iter().for_each(|_| count.test());
         let met = brute::nearest(&world.space, &world.surfaces, ray, from.place, limit);
         let mut best: Option<Found> = None;
         if !world.objects.is_empty() {
             let cast = Cast::new(*ray);
             let limit = met.map_or(limit, |m| m.t);
-            best = objects.nearest(&world.objects, &cast, from.start.as_ref(), limit);
+            best = objects.nearest(&world.objects, &cast, from.start.as_ref(), limit, count);
         }
         self.first(met, best, ray, from)
     }
@@ -211,6 +243,7 @@ impl<'a> Tracer<'a> {
         ray: &Ray,
         from: &Departure,
         limit: f64,
+        count: &mut impl Count,
     ) -> Option<Meeting> {
         let world = self.world;
         let n = world.surfaces.len() as u32;
@@ -223,7 +256,7 @@ impl<'a> Tracer<'a> {
             ..start
         });
         let cast = Cast::new(*ray);
-        let found = structure.nearest(&everything, &cast, start.as_ref(), limit, &mut ())?;
+        let found = structure.nearest(&everything, &cast, start.as_ref(), limit, count)?;
         if found.primitive >= n {
             let found = Found {
                 primitive: found.primitive - n,
@@ -269,7 +302,7 @@ impl<'a> Tracer<'a> {
         let limit = met.map_or(f64::INFINITY, |m| m.t);
         let cast = Cast::new(*ray);
         let start = from.start.as_ref();
-        let object = world.all.nearest(&world.objects, &cast, start, limit);
+        let object = (world.all).nearest(&world.objects, &cast, start, limit, &mut ());
         self.first(met, object, ray, from)
     }
 
@@ -293,9 +326,7 @@ impl<'a> Tracer<'a> {
                 // What lies beyond this cell may be behind its wall.
                 let before = until.min(limit);
                 let start = from.start.as_ref();
-                stopped = furniture
-                    .any(&world.objects, cast, start, before)
-                    .is_some();
+                stopped = furniture.any(&world.objects, cast, start, before).is_some();
             }
             if stopped { f64::NEG_INFINITY } else { limit }
         });
