@@ -13,6 +13,7 @@ mod sightline;
 mod agree;
 mod bulk;
 mod cli;
+mod drawing;
 mod explain;
 mod eye;
 mod generated;
