@@ -55,7 +55,7 @@ impl Picture {
         }
     }
 
-    /// The exposure that brings the (geometric) mean of the brightness to a middle grey of 0.2, but
+    /// The exposure that brings the (geometric) mean of the brightness to a bright grey of 0.28, but
     /// the brightest twentieth not beyond 1.3; at most 64 times brighter or darker. 1 for a picture
     /// that is black.
     pub fn usual_exposure(&self) -> f64 {
@@ -69,7 +69,7 @@ impl Picture {
         // What is nearly black beside the rest counts as only so dark.
         let logs = bright.iter().map(|l| l.max(high / 256.0).ln());
         let mean = (logs.sum::<f64>() / bright.len() as f64).exp();
-        (0.2 / mean).min(1.3 / high).clamp(1.0 / 64.0, 64.0)
+        (0.28 / mean).min(1.3 / high).clamp(1.0 / 64.0, 64.0)
     }
 
     /// sRGB bytes, three to a pixel.
@@ -102,8 +102,8 @@ mod tests {
             size: [values.len() as u32, 1],
             pixels: values.iter().map(|&v| DVec3::splat(v)).collect(),
         };
-        // Everything equal: to middle grey.
-        assert!((picture(&[0.4; 10]).usual_exposure() - 0.5).abs() < 1e-12);
+        // Everything equal: to that grey.
+        assert!((picture(&[0.4; 10]).usual_exposure() - 0.7).abs() < 1e-12);
         assert_eq!(picture(&[0.0; 3]).usual_exposure(), 1.0);
         assert_eq!(picture(&[0.25]).factor(Exposure::Stops(2.0)), 4.0);
         assert_eq!(picture(&[0.05]).srgb(Exposure::Stops(3.321928094887362)), [188; 3]);

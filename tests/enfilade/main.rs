@@ -1,5 +1,5 @@
 //! Tests of the program as a whole, one module per question. `main.rs` lists them; what several of
-//! them need stands in `browser`, `caster`, `plan`, `random`, `sightline`, `reference` and `compare`.
+//! them need stands in `browser`, `caster`, `plan`, `random`, `sightline`, `reference`, `scene` and `compare`.
 
 mod browser;
 mod caster;
@@ -7,6 +7,7 @@ mod compare;
 mod plan;
 mod random;
 mod reference;
+mod scene;
 mod sightline;
 
 mod agree;
@@ -20,11 +21,13 @@ mod heights;
 mod methods;
 mod pictures;
 mod programme;
+mod pixels;
 mod property;
 mod props;
 mod readers;
 mod readme;
 mod regression;
+mod render;
 mod stability;
 mod study;
 mod tidy;

@@ -252,18 +252,27 @@ pub(super) fn furnish(
         }
     }
     let furniture = |list: Vec<u32>| {
-        let some = Listed {
-            objects,
-            list: &list,
-        };
-        let structure = (!list.is_empty())
-            .then(|| Structure::within(kind(list.len()), &some, reach));
-        Furniture { list, structure }
+        let kind = kind(list.len());
+        Furniture::new(objects, list, kind, reach)
     };
     lists.into_iter().map(furniture).collect()
 }
 
 impl Furniture {
+    fn new(objects: &Objects, list: Vec<u32>, kind: Kind, reach: f64) -> Self {
+        let some = Listed {
+            objects,
+            list: &list,
+        };
+        let structure = (!list.is_empty()).then(|| Structure::within(kind, &some, reach));
+        Self { list, structure }
+    }
+
+    /// Every object there is.
+    pub fn all(objects: &Objects, kind: Kind, reach: f64) -> Self {
+        Self::new(objects, (0..objects.len() as u32).collect(), kind, reach)
+    }
+
     /// The first object that the ray meets, not later than `limit`.
     pub fn nearest(
         &self,

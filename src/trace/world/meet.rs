@@ -1,12 +1,12 @@
 //! Rays through a [`World`]: the nearest thing on a ray's way, and whether light comes through.
 //!
-//! There are three ways to the same answer, to the last bit: walking from cell to cell (`Way::Portal`),
-//! testing everything in turn (`Way::Brute`), and one of the structures over the whole level
-//! (`Way::Structure`). Where a surface of the level and an object are met at the same t, the surface
+//! There are three ways to the same answer, to the last bit: walking from cell to cell, testing
+//! everything in turn, and one of the structures over the whole level. Where a surface of the level and an object are met at the same t, the surface
 //! counts; of two objects the one with the lower number.
 
 use glam::{DVec2, DVec3};
 
+use super::furniture::Furniture;
 use super::{MaterialIndex, World};
 use crate::cells::CellId;
 use crate::trace::accel::{
@@ -70,12 +70,12 @@ pub struct Hit {
 
 /// How the nearest thing is found.
 #[derive(Clone, Debug, Default)]
-pub enum Way {
+enum Way {
     /// By walking from cell to cell.
     #[default]
     Portal,
     /// By testing everything; the structure holds the objects in a row.
-    Brute(Structure),
+    Brute(Furniture),
     /// By a structure over everything.
     Structure(Structure),
 }
@@ -110,11 +110,7 @@ impl<'a> Tracer<'a> {
     pub fn brute(world: &'a World) -> Self {
         Self {
             world,
-            way: Way::Brute(Structure::within(
-                Kind::Brute,
-                &world.objects,
-                world.reach,
-            )),
+            way: Way::Brute(Furniture::all(&world.objects, Kind::Brute, world.reach)),
         }
     }
 
@@ -133,7 +129,6 @@ impl<'a> Tracer<'a> {
     }
 
     /// The first thing that the ray meets, up to `limit`.
-    #[inline]
     pub fn nearest(&self, ray: &Ray, from: &Departure, limit: f64) -> Option<Meeting> {
         match &self.way {
             Way::Portal => self.walk(ray, from, limit),
@@ -142,7 +137,6 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    #[inline]
     fn walk(&self, ray: &Ray, from: &Departure, limit: f64) -> Option<Meeting> {
         let world = self.world;
         if world.objects.is_empty() {
@@ -182,7 +176,7 @@ impl<'a> Tracer<'a> {
     /// Every surface in turn, and the objects.
     fn brute_force(
         &self,
-        objects: &Structure,
+        objects: &Furniture,
         ray: &Ray,
         from: &Departure,
         limit: f64,
@@ -193,7 +187,7 @@ impl<'a> Tracer<'a> {
         if !world.objects.is_empty() {
             let cast = Cast::new(*ray);
             let limit = met.map_or(limit, |m| m.t);
-            best = objects.nearest(&world.objects, &cast, from.start.as_ref(), limit, &mut ());
+            best = objects.nearest(&world.objects, &cast, from.start.as_ref(), limit);
         }
         self.first(met, best, ray, from)
     }
@@ -263,7 +257,7 @@ impl<'a> Tracer<'a> {
         let limit = met.map_or(f64::INFINITY, |m| m.t);
         let cast = Cast::new(*ray);
         let start = from.start.as_ref();
-        let object = (world.all).nearest(&world.objects, &cast, start, limit, &mut ());
+        let object = world.all.nearest(&world.objects, &cast, start, limit);
         self.first(met, object, ray, from)
     }
 

@@ -24,7 +24,7 @@ use rustc_hash::FxHashMap;
 pub use furniture::Standing;
 pub use meet::{Departure, Hit, Tracer, What};
 
-use super::accel::{Bounds, Primitives, Structure};
+use super::accel::{Bounds, Primitives};
 use super::dress::{Look, Wardrobe, Wear};
 use super::image::Image;
 use super::shapes::Objects;
@@ -70,8 +70,8 @@ pub struct World {
     pub objects: Objects,
     /// What else there is to say of the objects, in the level's order.
     pub standing: Vec<Standing>,
-    /// A structure over all objects.
-    all: Structure,
+    /// All objects.
+    all: furniture::Furniture,
     /// Objects in each cell.
     chambers: Vec<furniture::Furniture>,
     /// The greatest coordinate of anything, for the margins of structures.
@@ -220,7 +220,7 @@ impl World {
         let objects = Objects::new(shapes);
         let reach = furniture::reach(&space, &objects);
         let chambers = furniture::furnish(&space, &objects, &standing, reach);
-        let all = Structure::within(furniture::kind(objects.len()), &objects, reach);
+        let all = furniture::Furniture::all(&objects, furniture::kind(objects.len()), reach);
         let wardrobe = Wardrobe::new(level, graph, &space, files.dress.clone());
         let lamps = lamps::lamps(level, graph, &space, pvs);
         let see_through = |s: &Standing| {

@@ -1,0 +1,106 @@
+//! Scenes for tests of pictures: from the text of a level to single pixels and whole pictures.
+
+use enfilade::cells::{CellGraph, CellId, Locator, Options, subdivide};
+use enfilade::level::{Level, read, snap, wad};
+use enfilade::pvs::{Progress, Pvs, sweep};
+use enfilade::trace::Tracer;
+use enfilade::trace::camera::Camera;
+use enfilade::trace::render::{RenderOptions, Rendered, render};
+use enfilade::trace::world::{Files, World, locate};
+use glam::{DVec2, DVec3};
+
+/// A level with everything that a picture of it needs.
+pub struct Scene {
+    pub level: Level,
+    pub graph: CellGraph,
+    pub pvs: Pvs,
+    pub world: World,
+}
+
+/// Where Debian's Freedoom is.
+pub const FREEDOOM: &str = "/usr/share/games/doom/freedoom1.wad";
+
+impl Scene {
+    pub fn new(level: Level, files: &Files, ambient: f64) -> Self {
+        let graph = subdivide(&level, &Options::default());
+        let pvs = sweep::sweep(&graph, &Progress::default());
+        let world = World::new(&level, &graph, &pvs, files, ambient).unwrap();
+        Self {
+            level,
+            graph,
+            pvs,
+            world,
+        }
+    }
+
+    /// From the text of a TOML level.
+    pub fn of(text: &str, ambient: f64) -> Self {
+        let level = read::read(text.into(), "scene.toml", None).unwrap();
+        Self::new(level, &Files::default(), ambient)
+    }
+
+    /// One of the sample levels.
+    pub fn sample(name: &str) -> Self {
+        let path = format!("{}/levels/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        Self::of(&std::fs::read_to_string(path).unwrap(), 0.12)
+    }
+
+    /// A map of Freedoom; `None`, with a word on standard error, where it is not installed.
+    pub fn freedoom(map: &str) -> Option<Self> {
+        let Ok(bytes) = std::fs::read(FREEDOOM) else {
+            assert!(
+                std::env::var_os("CI").is_none(),
+                "{FREEDOOM} is missing: install the package freedoom"
+            );
+            eprintln!("skipped: {FREEDOOM} is missing");
+            return None;
+        };
+        let wad = wad::Wad::parse(bytes).unwrap();
+        let draft = enfilade::level::doom::read_map(&wad, map, "freedoom1.wad").unwrap();
+        let level = snap::snap(draft).unwrap();
+        Some(Self::new(level, &Files::default(), 0.12))
+    }
+
+    pub fn cell(&self, eye: DVec3) -> CellId {
+        let locator = Locator::new(&self.graph);
+        locate(&self.world, &self.graph, &locator, eye).unwrap()
+    }
+
+    /// The camera of that number.
+    pub fn camera(&self, number: usize, size: [u32; 2]) -> Camera {
+        let camera = &self.level.scene.cameras[number];
+        Camera::new(camera.eye, camera.direction, camera.fov, size)
+    }
+
+    /// A picture.
+    pub fn render(&self, camera: &Camera, options: &RenderOptions) -> Rendered {
+        self.render_by(&Tracer::new(&self.world), camera, options)
+    }
+
+    /// A picture by a certain way.
+    pub fn render_by(&self, tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Rendered {
+        let cell = self.cell(camera.eye);
+        render(tracer, camera, cell, options, &Progress::default())
+    }
+
+    /// The light that comes from the point `look` to the eye.
+    pub fn pixel(&self, eye: [f64; 3], look: [f64; 3], options: &RenderOptions) -> DVec3 {
+        let (eye, look) = (DVec3::from(eye), DVec3::from(look));
+        let camera = Camera::new(eye, look - eye, 60.0, [1, 1]);
+        self.render(&camera, options).picture.pixels[0]
+    }
+
+    /// Cameras in the middles of some cells, looking about; of levels without cameras.
+    pub fn cameras_about(&self, every: usize, size: [u32; 2]) -> Vec<Camera> {
+        let cells = self.graph.cell_ids().step_by(every);
+        cells
+            .filter_map(|id| {
+                let cell = self.world.space.cell(id.0);
+                let (at, _) = self.world.middle(id);
+                let z = (cell.floor + cell.ceiling) / 2.0;
+                let ahead = DVec2::from_angle(f64::from(id.0)).extend(0.1);
+                (cell.floor < cell.ceiling).then(|| Camera::new(at.extend(z), ahead, 90.0, size))
+            })
+            .collect()
+    }
+}
