@@ -13,7 +13,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::cast::{Met, Place, walk_on};
+use super::cast::{Met, walk_on};
 use super::ray::Ray;
 use super::space::{Chamber, Space, Surface, WALL};
 use crate::cells::{CellId, EdgeId};

@@ -45,7 +45,7 @@ use super::light::{arrival, is_area, middle};
 use super::ray::Ray;
 use super::sampling::{Source, branch};
 use super::space::Surface;
-use super::world::meet::Meeting;
+use super::world::meet::{Meeting, Obstacle};
 use super::world::{Departure, Hit, Tracer, What};
 
 /// How far the tree of rays goes.
@@ -332,15 +332,27 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             direction,
         };
         let mut from = self.tracer.depart(hit, direction);
-        if world.opaque && world.paneless {
-            let blocked = self.tracer.blocked(&ray, &from, left, outdoors);
-            return if blocked { DVec3::ZERO } else { DVec3::ONE };
-        }
         let mut share = DVec3::ONE;
         for _ in 0..MOST_PANES {
-            let Some(meeting) = self.tracer.nearest(&ray, &from, left) else {
+            let meeting = if world.opaque {
+                match self.tracer.obstacle(&ray, &from, left) {
+                    Obstacle::None => None,
+                    Obstacle::Object => return DVec3::ZERO,
+                    Obstacle::Surface(met) => Some(Meeting::Surface(met)),
+                }
+            } else {
+                self.tracer.nearest(&ray, &from, left)
+            };
+            let Some(meeting) = meeting else {
                 return share;
             };
+            if let Meeting::Surface(met) = meeting
+                && met.t < left
+                && !matches!(met.surface, Surface::Pane(_))
+                && !world.is_sky(met.surface)
+            {
+                return DVec3::ZERO;
+            }
             let met = self.tracer.hit(&ray, &meeting);
             if met.t >= left {
                 return share;

@@ -145,7 +145,6 @@ fn the_same_picture_by_every_way() {
 
 #[test]
 fn beams_and_single_rays_give_the_same_picture() {
-    // Two samples through the same middle would; so compare with single pixels.
     for scene in [still_life(0.0), Scene::sample("cathedral")] {
         let camera = scene.camera(0, [64, 48]);
         let whole = scene.render(&camera, &quick()).picture;
@@ -211,17 +210,17 @@ fn what_is_left_out_changes_nothing() {
 
 #[test]
 fn a_mirror_shows_more_than_the_eye_sees() {
-    // Around a corner: from A one sees C only in the mirror on B's far wall.
+    // A and C lie on one side of B: from A one sees C only in the mirror on B's other side.
     let text = |mirror: &str| {
         format!(
-            "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n[[room]]\nname = \"B\"\nrect = [4, 0, 8, 4]\n\
-             [[room]]\nname = \"C\"\nrect = [4, 4, 8, 8]\n\
+            "[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n[[room]]\nname = \"B\"\nrect = [4, 0, 8, 8]\n\
+             [[room]]\nname = \"C\"\nrect = [0, 4, 4, 8]\n\
              [[archway]]\nbetween = [\"A\", \"B\"]\nat = [4, 1]\nwidth = 0.8\n\
-             [[archway]]\nbetween = [\"B\", \"C\"]\nat = [7.4, 4]\nwidth = 0.8\n\
+             [[archway]]\nbetween = [\"B\", \"C\"]\nat = [4, 7]\nwidth = 0.8\n\
              [[material]]\nname = \"glass\"\nkd = [0.1, 0.1, 0.1]\nmirror = {mirror}\n\
              [[material]]\nname = \"prism\"\ntransmit = 0.9\n\
-             [[object]]\nkind = \"box\"\nposition = [6, 0.5, 0]\nsize = [2, 0.1, 2]\nmaterial = \"glass\"\n\
-             [[object]]\nname = \"ball\"\nkind = \"sphere\"\nposition = [5, 7.5, 1]\nradius = 0.3\nmaterial = \"prism\"\n\
+             [[object]]\nkind = \"box\"\nposition = [7.9, 4, 0]\nsize = [0.1, 7, 2]\nmaterial = \"glass\"\n\
+             [[object]]\nname = \"ball\"\nkind = \"sphere\"\nposition = [2, 6, 1]\nradius = 0.3\nmaterial = \"prism\"\n\
              [[light]]\nkind = \"point\"\nposition = [2, 2, 2]\nintensity = 3\n"
         )
     };

@@ -1,6 +1,6 @@
 //! Surfaces: Phong's model, and materials made ready for shading.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::level::scene::Material;
 use crate::trace::effects::{Effect, Effects};
@@ -110,7 +110,10 @@ impl Finish {
             Some((number, scale)) => {
                 let image = &world.pictures[number as usize];
                 let place = match hit.what {
-                    What::Surface(_) => hit.uv / scale / glam::DVec2::new(1.0, image.aspect()),
+                    What::Surface(surface) => {
+                        let place = world.place_on(surface, hit.point);
+                        place / (scale * DVec2::new(1.0, image.aspect()))
+                    }
                     What::Object(_) => hit.uv,
                 };
                 image.at(place)

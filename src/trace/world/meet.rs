@@ -58,7 +58,8 @@ pub struct Hit {
     pub shading: DVec3,
     /// The material; of what is empty (open windows), none.
     pub material: Option<MaterialIndex>,
-    /// Place on a texture: of surfaces in units of the level, of objects from 0 to 1.
+    /// Place on a texture, from 0 to 1, of objects; for surfaces of the level see
+    /// [`World::place_on`].
     pub uv: DVec2,
     /// The cell in which it is seen.
     pub cell: CellId,
@@ -86,6 +87,17 @@ pub struct Tracer<'a> {
     /// The world.
     pub world: &'a World,
     way: Way,
+}
+
+/// What stands in the way of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Obstacle {
+    /// Nothing.
+    None,
+    /// Some object.
+    Object,
+    /// A surface of the level, before any object.
+    Surface(Met),
 }
 
 /// As much of a hit as it takes to compare.
@@ -261,18 +273,17 @@ impl<'a> Tracer<'a> {
         self.first(met, object, ray, from)
     }
 
-    /// Whether anything at all stands before `limit`, for worlds where everything stops light.
-    pub fn blocked(&self, ray: &Ray, from: &Departure, limit: f64, sky_passes: bool) -> bool {
-        let world = self.world;
+    /// What stands in the way of light, in worlds of which all objects stop it: as
+    /// [`Tracer::nearest`], but of several objects any will do.
+    pub fn obstacle(&self, ray: &Ray, from: &Departure, limit: f64) -> Obstacle {
         if !self.walks() {
             return match self.nearest(ray, from, limit) {
-                Some(Meeting::Surface(met)) => {
-                    met.t < limit && !(sky_passes && world.is_sky(met.surface))
-                }
-                Some(Meeting::Object(found, _)) => found.contact.t < limit,
-                None => false,
+                Some(Meeting::Surface(met)) => Obstacle::Surface(met),
+                Some(Meeting::Object(..)) => Obstacle::Object,
+                None => Obstacle::None,
             };
         }
+        let world = self.world;
         let mut cast = None;
         let mut stopped = false;
         let met = walk(&world.space, ray, from.place, limit, |cell, until| {
@@ -282,13 +293,17 @@ impl<'a> Tracer<'a> {
                 // What lies beyond this cell may be behind its wall.
                 let before = until.min(limit);
                 let start = from.start.as_ref();
-                stopped |= furniture
+                stopped = furniture
                     .any(&world.objects, cast, start, before)
                     .is_some();
             }
             if stopped { f64::NEG_INFINITY } else { limit }
         });
-        stopped || met.is_some_and(|m| m.t < limit && !(sky_passes && world.is_sky(m.surface)))
+        match met {
+            _ if stopped => Obstacle::Object,
+            Some(met) => Obstacle::Surface(met),
+            None => Obstacle::None,
+        }
     }
 
     /// All there is to know of what the ray met.
@@ -302,14 +317,14 @@ impl<'a> Tracer<'a> {
                     Surface::Ceiling(c) => point.z = world.space.cell(c.0).ceiling,
                     _ => {}
                 }
-                let normal = world.space.normal(met.surface);
+                let normal = world.normal(met.surface);
                 Hit {
                     t: met.t,
                     point,
                     normal,
                     shading: normal,
                     material: world.surface_material(met.surface),
-                    uv: world.place_on(met.surface, point),
+                    uv: DVec2::ZERO,
                     cell: met.cell,
                     what: What::Surface(met.surface),
                     part: 0,

@@ -77,6 +77,8 @@ pub struct World {
     /// The greatest coordinate of anything, for the margins of structures.
     reach: f64,
     surfaces: Vec<Surface>,
+    /// Unit normals of what stands on the edges, into their cells.
+    normals: Vec<DVec3>,
     /// The lights: the level's, or if it has none the usual ones.
     pub lights: Vec<Light>,
     /// Whether a light shines from outside of the level, by light.
@@ -89,8 +91,6 @@ pub struct World {
     pub ambient: Vec<f64>,
     /// Whether no object lets light pass: then shadow rays may stop at any.
     pub opaque: bool,
-    /// Whether there is no glass in any opening.
-    pub paneless: bool,
 }
 
 /// Why a level cannot be made into a world.
@@ -230,7 +230,7 @@ impl World {
         Ok(Self {
             ambient: lamps::ambient(level, graph, ambient),
             opaque: !standing.iter().any(see_through),
-            paneless: space.edges.iter().all(|e| e.pane.is_none()),
+            normals: normals(&space),
             surfaces: space.surfaces(),
             space,
             materials,
@@ -324,6 +324,20 @@ impl World {
         &self.surfaces
     }
 
+    /// The unit normal of a surface, into the cell from which it is seen.
+    #[inline]
+    pub fn normal(&self, surface: Surface) -> DVec3 {
+        match surface {
+            Surface::Floor(_) => DVec3::Z,
+            Surface::Ceiling(_) => DVec3::NEG_Z,
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => self.normals[e.0 as usize],
+        }
+    }
+
     /// Lights that can reach a cell.
     pub fn lights_of(&self, cell: CellId) -> &[u32] {
         &self.lights_of[cell.0 as usize]
@@ -343,6 +357,12 @@ impl World {
     pub fn bounds(&self) -> Bounds {
         furniture::bounds(&self.space, &self.objects)
     }
+}
+
+/// By edge.
+fn normals(space: &Space) -> Vec<DVec3> {
+    let edges = (0..space.edges.len() as u32).map(crate::cells::EdgeId);
+    edges.map(|e| space.normal(Surface::Wall(e))).collect()
 }
 
 /// The cell of an eye, exactly.
