@@ -294,7 +294,19 @@ fn of_materials(
         ));
     }
     let has = |i: &u32| has(world, MaterialIndex(*i), effect);
-    match (0..world.materials.len() as u32).find(has) {
+    // Stained glass throws its colours where it is not seen itself.
+    let stained = |i: &u32| has(i) && world.materials[*i as usize].transmit > 0.0;
+    let all = 0..world.materials.len() as u32;
+    if effect == Effect::Textures
+        && let Some(i) = all.clone().find(stained)
+    {
+        return Ok(format!(
+            "material `{}` lets light pass in its picture's colours",
+            world.materials[i as usize].name
+        ));
+    }
+    let mut all = all;
+    match all.find(has) {
         None => Err(match effect {
             Effect::Mirror => "no material is a sharp mirror".to_string(),
             Effect::Glossy => "no material mirrors and is rough".to_string(),
