@@ -20,7 +20,14 @@ fn draws_a_level_and_says_what_it_did() {
     let draw = |to: &Path, more: &[&str]| {
         let to = to.to_string_lossy().into_owned();
         let mut arguments = vec![
-            "render", &museum, "--size", "90x60", "--samples", "2", "-o", &to,
+            "render",
+            &museum,
+            "--size",
+            "90x60",
+            "--samples",
+            "2",
+            "-o",
+            &to,
         ];
         arguments.extend(more);
         enfilade(&arguments)
@@ -47,7 +54,15 @@ fn draws_a_level_and_says_what_it_did() {
     let colours: std::collections::HashSet<_> = first.pixels().collect();
     assert!(colours.len() > 300, "{}", colours.len());
     // The same again on one thread, quietly, with everything simulated, by brute force.
-    let more = ["--threads", "1", "--effects", "all", "--structure", "brute", "--quiet"];
+    let more = [
+        "--threads",
+        "1",
+        "--effects",
+        "all",
+        "--structure",
+        "brute",
+        "--quiet",
+    ];
     let output = draw(&two, &more);
     assert!(output.stdout.is_empty() && output.stderr.is_empty());
     assert_eq!(first, picture(&two));
@@ -88,17 +103,32 @@ fn says_what_is_wrong_and_what_to_do() {
     refuse(&["--camera", "roof"], &["`roof`", "hall"]);
     refuse(&["--look", "1,1,1"], &["--eye"]);
     let at = |eye: &'static str| ["--eye", eye, "--look", "1,1,1"];
-    refuse(&at("50,50,1"), &["50,50", "outside of the level", "enfilade plan"]);
-    refuse(&at("2,2,7"), &["2,2", "height 7", "floor is at 0", "ceiling at 2.6"]);
+    refuse(
+        &at("50,50,1"),
+        &["50,50", "outside of the level", "enfilade plan"],
+    );
+    refuse(
+        &at("2,2,7"),
+        &["2,2", "height 7", "floor is at 0", "ceiling at 2.6"],
+    );
     refuse(&at("1,1,1"), &["look at another point"]);
     refuse(&at("1,1"), &["three numbers"]);
     refuse(&["--size", "20"], &["960x600"]);
     refuse(&["--effects", "fog"], &["`fog`", "translucency"]);
-    refuse(&["--structure", "tree"], &["`tree`", "bvh-median-boxes", "portal"]);
+    refuse(
+        &["--structure", "tree"],
+        &["`tree`", "bvh-median-boxes", "portal"],
+    );
     refuse(&["--fov", "180"], &["below 180"]);
     refuse(&["--threads", "0"], &["--threads 0"]);
-    refused(&["render", &tiny, "-o", "picture.jpg"], &["picture.jpg", ".png"]);
-    refused(&["render", &tiny, "-o", "/no/such/folder/a.png"], &["/no/such/folder/a.png"]);
+    refused(
+        &["render", &tiny, "-o", "picture.jpg"],
+        &["picture.jpg", ".png"],
+    );
+    refused(
+        &["render", &tiny, "-o", "/no/such/folder/a.png"],
+        &["/no/such/folder/a.png"],
+    );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -125,24 +155,32 @@ fn names_missing_meshes_and_textures() {
     // A picture that is none.
     std::fs::write(folder.path().join("marble.png"), "no picture").unwrap();
     let level = path.to_string_lossy();
-    refused(&["render", &level, "-o", &to], &["marble.png is no PNG picture"]);
+    refused(
+        &["render", &level, "-o", &to],
+        &["marble.png is no PNG picture"],
+    );
 }
 
 #[test]
 fn a_doom_map_from_its_players_start() {
     if !Path::new(FREEDOOM).exists() {
-        assert!(std::env::var_os("CI").is_none(), "install the package freedoom");
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "install the package freedoom"
+        );
         eprintln!("skipped: {FREEDOOM} is missing");
         return;
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("e1m1.png");
     let to = path.to_string_lossy().into_owned();
-    let arguments = ["render", FREEDOOM, "--map", "E1M1", "--size", "96x60", "-o", &to];
+    let arguments = [
+        "render", FREEDOOM, "--map", "E1M1", "--size", "96x60", "-o", &to,
+    ];
     let output = enfilade(&arguments);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0));
-    assert!(text.contains("from the player's start"), "{text}");
+    assert!(text.contains("camera `player`"), "{text}");
     let colours: std::collections::HashSet<_> = picture(&path).pixels().copied().collect();
     assert!(colours.len() > 500, "{}", colours.len());
 }
@@ -152,7 +190,14 @@ fn what_is_broken_off_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let to = folder.path().join("big.png");
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
-        .args(["render", &level("museum.toml"), "--size", "4000x4000", "--samples", "64"])
+        .args([
+            "render",
+            &level("museum.toml"),
+            "--size",
+            "4000x4000",
+            "--samples",
+            "64",
+        ])
         .args(["--threads", "1", "-o"])
         .arg(&to)
         .stdout(Stdio::null())
@@ -160,7 +205,10 @@ fn what_is_broken_off_leaves_nothing() {
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_secs(2));
-    assert!(child.try_wait().unwrap().is_none(), "it should still be at work");
+    assert!(
+        child.try_wait().unwrap().is_none(),
+        "it should still be at work"
+    );
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
