@@ -14,6 +14,7 @@ use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Locator, subdivide};
 use crate::pvs::{Progress, sweep};
+use crate::trace::Tracer;
 use crate::trace::accel::Kind;
 use crate::trace::camera::Camera;
 use crate::trace::effects::{Effect, Effects, Survey, survey};
@@ -21,7 +22,6 @@ use crate::trace::picture::Exposure;
 use crate::trace::render::{Adaptive, RenderOptions, Rendered, render};
 use crate::trace::shade::Limits;
 use crate::trace::world::{World, locate};
-use crate::trace::Tracer;
 
 mod files;
 mod viewpoint;
@@ -36,13 +36,17 @@ pub struct RenderArgs {
     /// Picture to write: a .png (`-`: standard output)
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// From this camera of the level [default: the first; else a Doom map's player start; else the
+    /// From this camera of the level [default: the first, of Doom maps the player's start; else the
     /// middle of the largest cell]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// From this point (in the level's unit)
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
-    #[arg(allow_hyphen_values = true, conflicts_with = "camera", requires = "look")]
+    #[arg(
+        allow_hyphen_values = true,
+        conflicts_with = "camera",
+        requires = "look"
+    )]
     eye: Option<DVec3>,
     /// The point that is to be in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
@@ -83,7 +87,8 @@ pub struct RenderArgs {
     /// refraction, translucency, textures, with commas between them
     #[arg(long, value_name = "LIST", default_value = "auto", value_parser = effects)]
     effects: Asked,
-    /// Stops by which light is brightened (or darkened, below 0) [default: as the picture asks for]
+    /// Stops by which light is brightened (or darkened, below 0) [default: as the picture asks for;
+    /// 1.5 for Doom maps]
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = finite)]
     exposure: Option<f64>,
     /// Light that is everywhere, where the level does not say how bright its places are
@@ -138,7 +143,10 @@ fn effects(text: &str) -> Result<Asked, String> {
 fn structure(text: &str) -> Result<Found, String> {
     match text {
         "portal" => Ok(Found::Portal),
-        name => name.parse().map(Found::By).map_err(|e: String| format!("{e}, and portal")),
+        name => name
+            .parse()
+            .map(Found::By)
+            .map_err(|e: String| format!("{e}, and portal")),
     }
 }
 
@@ -198,15 +206,18 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
             pool.install(|| sweep::sweep(&graph, &counter))
         })
     });
-    let read = timed(&mut reading, || files::read(&args.level.level, &source, &level))?;
+    let read = timed(&mut reading, || {
+        files::read(&args.level.level, &source, &level)
+    })?;
     seconds.read += reading;
     let world = World::new(&level, &graph, &pvs, &read, args.ambient)
         .with_context(|| level.source.clone())?;
     let locator = Locator::new(&graph);
-    let view = Viewpoint::choose(args, &source, &level, &graph, &world, &locator)?;
+    let view = Viewpoint::choose(args, &level, &graph, &world)?;
     let start = locate(&world, &graph, &locator, view.eye)?;
     let survey = survey(&world, &pvs, start);
-    let options = render_options(args, &survey);
+    let exposure = exposure(args, &world);
+    let options = render_options(args, &survey, exposure);
     let camera = Camera::new(view.eye, view.direction, view.fov, args.size);
     let tracer = match args.structure {
         Found::Portal => Tracer::new(&world),
@@ -219,10 +230,12 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
             pool.install(|| render(&tracer, &camera, start, &options, &counter))
         })
     });
-    timed(&mut seconds.write, || write(args, &rendered))?;
+    timed(&mut seconds.write, || write(args, &rendered, exposure))?;
     if !args.quiet {
         let seen = pvs.seen_from(start).count();
-        let text = summary(args, &view, &graph, seen, &survey, &options, &rendered, &seconds);
+        let text = summary(
+            args, &view, &graph, seen, &survey, &options, &rendered, exposure, &seconds,
+        );
         if output::is_stdout(&args.output) {
             complain(text.trim_end());
         } else {
@@ -244,17 +257,25 @@ fn must_be_png(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-fn exposure(args: &RenderArgs) -> Exposure {
-    args.exposure.map_or(Exposure::Auto, Exposure::Stops)
+/// As asked for. A Doom map says itself how bright its places are; its textures are dark, though, and
+/// the game brightens what is near.
+fn exposure(args: &RenderArgs, world: &World) -> Exposure {
+    const DOOM: Exposure = Exposure::Stops(1.5);
+    let usual = if world.wardrobe.is_some() {
+        DOOM
+    } else {
+        Exposure::Auto
+    };
+    args.exposure.map_or(usual, Exposure::Stops)
 }
 
-fn render_options(args: &RenderArgs, survey: &Survey) -> RenderOptions {
+fn render_options(args: &RenderArgs, survey: &Survey, exposure: Exposure) -> RenderOptions {
     RenderOptions {
         samples: args.samples,
         adaptive: args.adaptive.map(|samples| Adaptive {
             samples,
             contrast: args.contrast,
-            exposure: exposure(args),
+            exposure,
         }),
         limits: Limits {
             depth: args.depth,
@@ -271,9 +292,9 @@ fn render_options(args: &RenderArgs, survey: &Survey) -> RenderOptions {
 }
 
 /// Writes the picture, whole or not at all.
-fn write(args: &RenderArgs, rendered: &Rendered) -> Result<()> {
+fn write(args: &RenderArgs, rendered: &Rendered, exposure: Exposure) -> Result<()> {
     let [width, height] = rendered.picture.size;
-    let bytes = rendered.picture.srgb(exposure(args));
+    let bytes = rendered.picture.srgb(exposure);
     let mut png = Vec::new();
     image::codecs::png::PngEncoder::new(&mut png)
         .write_image(&bytes, width, height, image::ExtendedColorType::Rgb8)
@@ -293,12 +314,13 @@ fn summary(
     survey: &Survey,
     options: &RenderOptions,
     rendered: &Rendered,
+    exposure: Exposure,
     seconds: &Seconds,
 ) -> String {
     let mut text = String::new();
     let [width, height] = args.size;
     let rays = &rendered.work.rays;
-    let factor = rendered.picture.factor(exposure(args));
+    let factor = rendered.picture.factor(exposure);
     _ = writeln!(text, "picture     {width} × {height}, {}", view.name);
     _ = writeln!(
         text,
