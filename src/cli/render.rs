@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use glam::DVec3;
 use image::ImageEncoder;
 
 use super::compute::{self, timed};
@@ -23,10 +22,10 @@ use crate::trace::render::{Adaptive, RenderOptions, Rendered, render};
 use crate::trace::shade::Limits;
 use crate::trace::world::{World, locate};
 
-mod files;
-mod viewpoint;
+pub mod files;
+pub mod viewpoint;
 
-use viewpoint::Viewpoint;
+use viewpoint::{ViewArgs, Viewpoint};
 
 /// Draw what an eye in a level sees, by ray tracing.
 #[derive(Debug, Args)]
@@ -36,25 +35,8 @@ pub struct RenderArgs {
     /// Picture to write: a .png (`-`: standard output)
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// From this camera of the level [default: the first, of Doom maps the player's start; else the
-    /// middle of the largest cell]
-    #[arg(long, value_name = "NAME")]
-    camera: Option<String>,
-    /// From this point (in the level's unit)
-    #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
-    #[arg(
-        allow_hyphen_values = true,
-        conflicts_with = "camera",
-        requires = "look"
-    )]
-    eye: Option<DVec3>,
-    /// The point that is to be in the middle of the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
-    #[arg(allow_hyphen_values = true)]
-    look: Option<DVec3>,
-    /// Horizontal angle of view in degrees, below 180 [default: the camera's, or 75]
-    #[arg(long, value_name = "DEGREES", value_parser = viewpoint::angle)]
-    fov: Option<f64>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "960x600", value_parser = viewpoint::size)]
     size: [u32; 2],
@@ -182,9 +164,7 @@ struct Seconds {
 /// Runs `enfilade render`.
 pub fn run(args: &RenderArgs) -> Result<Answer> {
     must_be_png(args)?;
-    if args.look.is_some() && args.eye.is_none() {
-        bail!("--look is where an eye looks; give --eye X,Y,Z with it");
-    }
+    args.view.check()?;
     // Found out now; written only at the end, so that nothing stays behind when it is broken off.
     drop(Output::create(&args.output)?);
     let pool = compute::pool(args.threads)?;
@@ -213,7 +193,7 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
     let world = World::new(&level, &graph, &pvs, &read, args.ambient)
         .with_context(|| level.source.clone())?;
     let locator = Locator::new(&graph);
-    let view = Viewpoint::choose(args, &level, &graph, &world)?;
+    let view = Viewpoint::choose(&args.view, &level, &graph, &world)?;
     let start = locate(&world, &graph, &locator, view.eye)?;
     let survey = survey(&world, &pvs, start);
     let exposure = exposure(args, &world);

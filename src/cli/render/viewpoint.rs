@@ -1,15 +1,49 @@
 //! Where the eye is and where it looks.
 
 use anyhow::{Result, bail};
+use clap::Args;
 use glam::{DVec2, DVec3};
 
-use super::RenderArgs;
 use crate::cells::{CellGraph, CellId};
 use crate::level::Level;
 use crate::trace::world::World;
 
 /// Of a picture without a camera.
 const FOV: f64 = 75.0;
+
+/// From where a picture is drawn.
+#[derive(Clone, Debug, Args)]
+pub struct ViewArgs {
+    /// From this camera of the level [default: the first, of Doom maps the player's start; else the
+    /// middle of the largest cell]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// From this point (in the level's unit)
+    #[arg(long, value_name = "X,Y,Z", value_parser = point)]
+    #[arg(
+        allow_hyphen_values = true,
+        conflicts_with = "camera",
+        requires = "look"
+    )]
+    pub eye: Option<DVec3>,
+    /// The point that is to be in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = point)]
+    #[arg(allow_hyphen_values = true)]
+    pub look: Option<DVec3>,
+    /// Horizontal angle of view in degrees, below 180 [default: the camera's, or 75]
+    #[arg(long, value_name = "DEGREES", value_parser = angle)]
+    pub fov: Option<f64>,
+}
+
+impl ViewArgs {
+    /// Refuses what says nothing.
+    pub fn check(&self) -> Result<()> {
+        if self.look.is_some() && self.eye.is_none() {
+            bail!("--look is where an eye looks; give --eye X,Y,Z with it");
+        }
+        Ok(())
+    }
+}
 
 /// An eye.
 pub struct Viewpoint {
@@ -26,7 +60,7 @@ pub struct Viewpoint {
 impl Viewpoint {
     /// The one that was asked for, or the level's usual one.
     pub fn choose(
-        args: &RenderArgs,
+        args: &ViewArgs,
         level: &Level,
         graph: &CellGraph,
         world: &World,

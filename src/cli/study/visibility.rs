@@ -1,21 +1,17 @@
 //! `enfilade study visibility`: all methods on one level, and what accuracy costs.
 
 use std::path::PathBuf;
-use std::sync::atomic::Ordering::Relaxed;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use rayon::ThreadPool;
 
+use super::desk::Desk;
 use crate::cells::Options;
 use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use crate::cli::output::{self, Output};
 use crate::cli::{Answer, Memory, complain, compute, progress, summary};
 use crate::level::wording::{duration, grouped};
-use crate::pvs::Progress;
-use crate::study::visibility::{Answer as Figures, Bench, Cost, Results, Run, StudyOptions};
+use crate::study::visibility::{Answer as Figures, Results, Run, StudyOptions};
 use crate::study::visibility::{advice, page, study};
 
 /// Compare all methods on one level: what each gains, loses and costs.
@@ -69,12 +65,7 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
         .into_iter()
         .flatten()
         .try_for_each(|path| Output::create(path).map(drop))?;
-    let mut desk = Desk {
-        start: Instant::now(),
-        pool: compute::pool(args.threads)?,
-        memory,
-        status: Arc::default(),
-    };
+    let mut desk = Desk::new(compute::pool(args.threads)?, memory);
     let level = args.level.read()?;
     if !args.quiet {
         warn_of(&level.findings);
@@ -88,8 +79,7 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
         seed: args.seed,
         budget: args.budget,
     };
-    let (start, status) = (desk.start, Arc::clone(&desk.status));
-    let line = || status.line(args.budget - start.elapsed().as_secs_f64());
+    let line = desk.line(args.budget);
     let study = progress::show_parts(args.quiet, line, || study(&level, &options, &mut desk));
     let Some(study) = study else {
         bail!(
@@ -162,86 +152,4 @@ fn in_words(results: &Results) -> String {
         summary::table(&head, &rows),
         advice::exact(results)
     )
-}
-
-/// What a study runs on: this computer.
-struct Desk {
-    start: Instant,
-    pool: ThreadPool,
-    memory: Option<Memory>,
-    status: Arc<Status>,
-}
-
-/// What is under way, for those who watch.
-#[derive(Default)]
-struct Status {
-    now: Mutex<(String, Arc<Progress>)>,
-}
-
-impl Status {
-    fn set(&self, change: impl FnOnce(&mut (String, Arc<Progress>))) {
-        change(&mut self.now.lock().unwrap_or_else(PoisonError::into_inner));
-    }
-
-    fn line(&self, left: f64) -> String {
-        let (what, progress) = self
-            .now
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone();
-        let left = left.max(0.0).ceil();
-        let total = progress.total.load(Relaxed);
-        let part = match (progress.done.load(Relaxed) * 100).checked_div(total) {
-            Some(percent) => format!(", {} %", percent.min(100)),
-            None => String::new(),
-        };
-        format!("{what}{part}; {left} s of the budget left")
-    }
-}
-
-impl Bench for Desk {
-    fn next(&mut self, what: &str) {
-        self.status
-            .set(|now| *now = (what.to_string(), Arc::default()));
-    }
-
-    fn now(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
-
-    fn run(&mut self, limit: Option<f64>, work: &mut (dyn FnMut(&Progress) + Send)) -> Cost {
-        let progress = Arc::new(Progress::default());
-        self.status.set(|now| now.1 = Arc::clone(&progress));
-        let before = self.memory.map(|memory| {
-            (memory.forget_peak)();
-            (memory.now)()
-        });
-        let start = Instant::now();
-        compute::within(limit, &progress, || self.pool.install(|| work(&progress)));
-        let seconds = start.elapsed().as_secs_f64();
-        let peak = self.memory.map(|memory| (memory.peak)());
-        let bytes = peak
-            .zip(before)
-            .map(|(peak, before)| peak.saturating_sub(before) as u64);
-        Cost {
-            seconds,
-            bytes,
-            stopped: progress.stopped(),
-        }
-    }
-
-    fn machine(&self) -> (String, usize) {
-        (machine(), self.pool.current_num_threads())
-    }
-}
-
-/// The processor's name, where the system tells it, and the kind of system.
-fn machine() -> String {
-    let system = format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH);
-    let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = known.lines().find(|line| line.starts_with("model name"));
-    match model.and_then(|line| line.split_once(':')) {
-        Some((_, name)) => format!("{}, {system}", name.trim()),
-        None => system,
-    }
 }
