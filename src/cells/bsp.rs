@@ -21,14 +21,19 @@ pub struct BspOptions {
     pub balance_weight: u32,
 }
 
+impl BspOptions {
+    /// What is taken unless somebody asks for something else.
+    pub const USUAL: Self = Self {
+        candidates: 8,
+        sample: 64,
+        split_weight: 8,
+        balance_weight: 1,
+    };
+}
+
 impl Default for BspOptions {
     fn default() -> Self {
-        Self {
-            candidates: 8,
-            sample: 64,
-            split_weight: 8,
-            balance_weight: 1,
-        }
+        Self::USUAL
     }
 }
 

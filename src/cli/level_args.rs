@@ -86,18 +86,20 @@ impl From<DoorsArg> for Doors {
     }
 }
 
+const USUAL: cells::bsp::BspOptions = cells::bsp::BspOptions::USUAL;
+
 /// How the splitting lines of a BSP are chosen (also inside the leaves of a kd-tree).
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Choice of the BSP's splitting lines")]
 pub struct BspArgs {
     /// What a cut wall costs, …
-    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(long, value_name = "N", default_value_t = USUAL.split_weight)]
     pub split_weight: u32,
     /// … compared with one wall more on the one side than on the other
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = USUAL.balance_weight)]
     pub balance_weight: u32,
     /// How many walls are tried as the splitting line
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = at_least_one)]
+    #[arg(long, value_name = "N", default_value_t = USUAL.candidates, value_parser = at_least_one)]
     pub candidates: usize,
 }
 

@@ -10,6 +10,7 @@
 //! that an extreme line touches. Whatever comes out is checked; should it not hold, as can be where
 //! the gates are not portals of one convex cell after the other, then `hulls` decides.
 
+use std::cell::RefCell;
 use std::cmp::Ordering;
 
 use dashu_int::IBig;
@@ -24,8 +25,16 @@ use crate::geom::{Placed, Side, VertexId, Vertices};
 /// A stabbing line of the chain, or why there is none; exact. Of gates that are no chain through
 /// cells it holds as well: the line has all left ends on its left and all right ends on its right.
 pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
-    let mut funnel = Funnel::with_room(chain.len());
-    let found = match misfit(vertices, chain, &mut funnel) {
+    ROOM.with_borrow_mut(|funnel| stab_in(vertices, chain, funnel))
+}
+
+thread_local! {
+    /// Taking new room for each chain would take as long as the test itself.
+    static ROOM: RefCell<Funnel> = RefCell::default();
+}
+
+fn stab_in(vertices: &Vertices, chain: &[Gate], funnel: &mut Funnel) -> Stabbing {
+    let found = match misfit(vertices, chain, funnel) {
         None if chain.is_empty() => Some(Stabbing::Line(Witness {
             a: IBig::ZERO,
             b: IBig::ONE,
@@ -33,12 +42,12 @@ pub fn stab(vertices: &Vertices, chain: &[Gate]) -> Stabbing {
             slack: f64::INFINITY,
         })),
         None => {
-            let strip = widest(vertices, &funnel);
+            let strip = widest(vertices, funnel);
             strip
                 .is_widest(vertices, chain)
                 .then(|| Stabbing::Line(strip.middle(vertices)))
         }
-        Some(at) => conflict(vertices, &funnel, &chain[..=at]).map(Stabbing::None),
+        Some(at) => conflict(vertices, funnel, &chain[..=at]).map(Stabbing::None),
     };
     found.unwrap_or_else(|| match by_hulls(vertices, chain) {
         Hulls::Meet(contradiction) => Stabbing::None(contradiction),
@@ -58,12 +67,15 @@ pub fn slack(vertices: &Vertices, chain: &[Gate]) -> Option<Slack> {
     if chain.is_empty() {
         return None;
     }
-    let mut funnel = Funnel::with_room(chain.len());
-    if misfit(vertices, chain, &mut funnel).is_none() {
-        let strip = widest(vertices, &funnel);
-        if strip.is_widest(vertices, chain) {
-            return Some(strip.slack(vertices));
-        }
+    let found = ROOM.with_borrow_mut(|funnel| {
+        misfit(vertices, chain, funnel)
+            .is_none()
+            .then(|| widest(vertices, funnel))
+    });
+    if let Some(strip) = found
+        && strip.is_widest(vertices, chain)
+    {
+        return Some(strip.slack(vertices));
     }
     match by_hulls(vertices, chain) {
         Hulls::Meet(_) => None,

@@ -95,6 +95,22 @@ impl Hull {
         self.end = end as u32 + 1;
     }
 
+    /// As [`Hull::push`], but what it drops is gone.
+    #[inline]
+    fn push_for_good(&mut self, vertices: &Vertices, p: Placed, turn: Side) {
+        if self.points[self.end as usize - 1].id == p.id {
+            return;
+        }
+        while let [.., a, b] = self.bounds()
+            && vertices.side(a, b, &p) != turn
+        {
+            self.end -= 1;
+        }
+        self.points.truncate(self.end as usize);
+        self.points.push(p);
+        self.end += 1;
+    }
+
     /// Moves `start` to the point in which the line from the hull to `p` touches it; `beyond` is the
     /// side of that line on which no point of the hull may lie.
     fn touch(&mut self, vertices: &Vertices, p: Placed, beyond: Side) {
@@ -157,19 +173,6 @@ impl Seen {
 }
 
 impl Funnel {
-    /// With room for a chain of so many portals that none is undone.
-    pub fn with_room(portals: usize) -> Self {
-        let hull = || Hull {
-            points: Vec::with_capacity(portals),
-            ..Hull::default()
-        };
-        Self {
-            left: hull(),
-            right: hull(),
-            lines: Vec::with_capacity(1),
-        }
-    }
-
     /// Starts a chain with the portal from `right` to `left`, as seen along the chain.
     pub fn begin(&mut self, left: Placed, right: Placed) {
         self.left.reset(left);
@@ -316,12 +319,28 @@ impl Funnel {
         self.extend(vertices, (left, left_seen), (right, right_seen))
     }
 
+    /// Adds the second portal, not to be undone; two portals of one convex cell.
+    #[inline]
+    fn second(&mut self, vertices: &Vertices, [left, right]: [Placed; 2]) -> bool {
+        let (first_left, first_right) = (self.left.first(), self.right.first());
+        let in_line = |p| vertices.side(&first_right, &first_left, p) == Side::On;
+        if in_line(&left) && in_line(&right) {
+            return false;
+        }
+        let through = |from, to| Through { from, to };
+        self.lines
+            .push((through(first_right, left), through(first_left, right)));
+        self.left.push_for_good(vertices, left, Side::Left);
+        self.right.push_for_good(vertices, right, Side::Right);
+        true
+    }
+
     /// As [`Funnel::extend_past`], but not to be undone, nor may what was added before be undone any
     /// more. Whether the portal fits.
     #[inline]
     pub fn narrow(&mut self, vertices: &Vertices, last: Gate, [left, right]: [Placed; 2]) -> bool {
-        let Some((ccw, cw)) = self.lines.last() else {
-            return self.extend_past(vertices, last, [left, right]).is_some();
+        let Some((ccw, cw)) = self.lines.last_mut() else {
+            return self.second(vertices, [left, right]);
         };
         // As in `next_seen`: the right end comes first, and ends of the last portal bound the lines
         // already.
@@ -336,13 +355,19 @@ impl Funnel {
             }
             tighter_left = ccw.passes(vertices, &left, Side::Right);
         }
-        if tighter_left || tighter_right {
-            let mut undo = Undo {
-                left: self.left.state(),
-                right: self.right.state(),
-            };
-            let (left, right) = (tighter_left.then_some(left), tighter_right.then_some(right));
-            self.tighten(vertices, left, right, &mut undo);
+        if tighter_left {
+            self.right.touch(vertices, left, Side::Left);
+            let from = self.right.first();
+            *ccw = Through { from, to: left };
+        }
+        if tighter_right {
+            self.left.touch(vertices, right, Side::Right);
+            let from = self.left.first();
+            *cw = Through { from, to: right };
+            self.right.push_for_good(vertices, right, Side::Right);
+        }
+        if tighter_left {
+            self.left.push_for_good(vertices, left, Side::Left);
         }
         true
     }

@@ -562,7 +562,8 @@ fn random_levels_are_explained() {
     let (mut views, mut ways, mut all_chains, mut wider) = (0, 0, 0, 0);
     let (mut bundles, mut narrower, mut least) = (0, 0, 1.0f64);
     for _ in 0..150 {
-        let level = level_of(&random_strokes(&mut random));
+        let strokes = random_strokes(&mut random);
+        let level = level_of(&strokes);
         for subdivision in Subdivision::ALL {
             let options = Options {
                 subdivision,
@@ -602,6 +603,17 @@ fn random_levels_are_explained() {
                         assert!(!world.pvs.sees(a, b));
                         check_hidden(&world, a, b, &hidden);
                         ways += 1;
+                        // As short from the other end.
+                        let Explanation::Hidden(back) = world.explain(b, a) else {
+                            panic!("{strokes:?}, {subdivision:?}: no way back from {b:?} to {a:?}");
+                        };
+                        let off = (back.way.length - hidden.way.length).abs();
+                        assert!(
+                            off <= 1e-9 * back.way.length,
+                            "{strokes:?}, {subdivision:?}: {a:?} to {b:?}: {:?}, and back {:?}",
+                            hidden.way,
+                            back.way
+                        );
                     }
                     Explanation::Apart => assert!(!world.pvs.sees(a, b)),
                 }

@@ -1,13 +1,17 @@
 //! The shortest way from one cell to another.
 //!
-//! Source: Cui, Harabor, Grastien, "Compromise-free pathfinding on a navigation mesh" (Polyanya),
-//! 2017. A node is an interval of a portal that is seen in full from its root, the last bend of the
-//! way; behind it, what the root sees of the next portals keeps the root, and what it does not see
-//! begins anew at the interval's end, if a wall stands there. The first node taken from the queue
-//! that reaches the goal gives the shortest way.
+//! In: a [`CellGraph`], and a point in each of two cells. Out: the [`Way`], or `None` where no way
+//! leads. A shortest way is straight but for corners that jut into the room, so it is sought by A*
+//! over those (Hart, Nilsson, Raphael 1968): from the start, and from each corner that is taken from
+//! the queue, the cells are searched through portals for the corners in sight, as the funnel of
+//! Guibas and Hershberger does along one chain. Touching a wall is allowed.
 //!
-//! Intervals are bounded by lines through exact points, so every side is decided exactly and no way
-//! is lost; lengths are f64. Of two ways whose lengths differ by rounding alone, either may come out.
+//! Sight is bounded by lines through exact points, so every side is decided exactly and no way is
+//! lost; lengths are f64. Of two ways whose lengths differ by rounding alone, either may come out.
+//! A vertex where walls meet may jut into several rooms. Each side of it is a corner of its own, or
+//! a way would slip through between two walls that touch.
+//!
+//! O(c · p) for c corners nearer than the goal, p portals in sight of one.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -16,6 +20,7 @@ use glam::DVec2;
 use rustc_hash::FxHashMap;
 
 use super::corner::{Corner, corner_at};
+use super::last_cell;
 use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::{Side, Vertex, VertexId, orient};
 
@@ -32,388 +37,404 @@ pub struct Way {
     pub length: f64,
 }
 
-/// A corner of a cell.
-#[derive(Clone, Copy)]
-struct Turn {
-    id: VertexId,
-    exact: Vertex,
-    at: DVec2,
-    /// Whether a way can bend about it.
-    juts: bool,
+/// A place where a way can bend or end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Stop {
+    /// The start of the way.
+    Start,
+    /// A corner: the first of the edges that start there, counterclockwise from the wall on its
+    /// right.
+    Corner(EdgeId),
+    /// The end of the way.
+    Goal,
 }
 
-/// One border of what is seen through a portal: a directed line from the root outwards.
-#[derive(Clone, Copy)]
-struct Border {
-    /// `None` where the root is the portal's end on this side: nothing is out of sight there.
-    line: Option<(Vertex, Vertex)>,
-    /// The portal's end, if the line goes through it and a way can bend about it.
-    bend: Option<Turn>,
-    /// Where the line meets the portal, for the least length of a way through it.
-    at: DVec2,
-}
-
-/// The last bend of a way, or its start.
-#[derive(Clone, Copy)]
-struct Root {
-    exact: Vertex,
-    at: DVec2,
-    id: Option<VertexId>,
-    /// The bend before it.
-    before: Option<VertexId>,
-    /// Length of the way up to here.
+/// The shortest way to a stop so far.
+#[derive(Clone, Debug)]
+struct Reached {
     length: f64,
-}
-
-/// An interval of a portal, as seen from its root.
-#[derive(Clone, Copy)]
-struct Node {
-    root: Root,
-    /// The portal, as an edge of the cell that is left.
-    portal: EdgeId,
-    right: Border,
-    left: Border,
-    parent: u32,
+    /// The stop before it.
+    before: Stop,
+    /// The cell of the stop before in which the last leg starts.
+    from: CellId,
+    /// Portals of the last leg.
+    portals: Vec<EdgeId>,
+    /// Whether it is final.
+    done: bool,
 }
 
 /// What waits in the queue, by the least length of a way through it.
-#[derive(Clone, Copy)]
-struct Entry {
-    length: f64,
-    node: u32,
-    what: What,
+#[derive(Clone, Copy, PartialEq)]
+struct Waiting {
+    least: f64,
+    /// For the order of equals.
+    number: usize,
+    stop: Stop,
 }
 
-#[derive(Clone, Copy)]
-enum What {
-    /// A node to be expanded.
-    Node,
-    /// A whole way that ends behind the node, straight or with a last bend.
-    Way(Option<VertexId>),
-}
+impl Eq for Waiting {}
 
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Entry {}
-
-impl Ord for Entry {
+impl Ord for Waiting {
     // The shortest comes first; of several, the one found first.
     fn cmp(&self, other: &Self) -> Ordering {
-        let by_length = other.length.total_cmp(&self.length);
-        by_length.then(other.node.cmp(&self.node))
+        let by_length = other.least.total_cmp(&self.least);
+        by_length.then(other.number.cmp(&self.number))
     }
 }
 
-impl PartialOrd for Entry {
+impl PartialOrd for Waiting {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-const NO_PARENT: u32 = u32::MAX;
+/// What is seen through a portal from the root of a leg.
+#[derive(Clone, Copy)]
+struct View {
+    /// The portal, as an edge of the cell that is left.
+    portal: EdgeId,
+    /// Vertices on the borders of what is seen, outwards.
+    right: VertexId,
+    left: VertexId,
+    /// The view before it.
+    parent: Option<usize>,
+}
 
 struct Search<'a> {
     graph: &'a CellGraph,
-    goal: (CellId, Vertex),
-    nodes: Vec<Node>,
-    queue: BinaryHeap<Entry>,
-    /// The length of the shortest way to each bend so far, and the bend before. Of ways of the same
-    /// length, as there are along corners in line, one is enough.
-    reached: FxHashMap<VertexId, (f64, Option<VertexId>)>,
+    start: Vertex,
+    goal: Vertex,
+    /// The cells that the goal touches, each with the portals from there to the goal's own cell.
+    goals: FxHashMap<CellId, Vec<EdgeId>>,
+    reached: FxHashMap<Stop, Reached>,
+    /// What is known of corners, by edge: whether one juts where the edge starts, and which.
+    corners: Vec<Option<Option<Stop>>>,
+    queue: BinaryHeap<Waiting>,
+    pushed: usize,
 }
 
 /// The shortest way from a point in a cell to a point in another; `None` where no way leads there.
 pub fn shortest(
     graph: &CellGraph,
     (cell, start): (CellId, Vertex),
-    goal: (CellId, Vertex),
+    (goal_cell, goal): (CellId, Vertex),
 ) -> Option<Way> {
+    let back = |(cell, mut portals): (CellId, Vec<EdgeId>)| {
+        // From the goal outwards; the way runs the other way.
+        portals.reverse();
+        let turned = portals.iter().filter_map(|&p| graph.edge(p).twin());
+        (cell, turned.collect())
+    };
     let mut search = Search {
         graph,
+        start,
         goal,
-        nodes: Vec::new(),
-        queue: BinaryHeap::new(),
+        goals: touched(graph, goal_cell, &goal)
+            .into_iter()
+            .map(back)
+            .collect(),
         reached: FxHashMap::default(),
+        corners: vec![None; graph.edges.len()],
+        queue: BinaryHeap::new(),
+        pushed: 0,
     };
-    let root = Root {
-        exact: start,
-        at: start.approx(),
-        id: None,
-        before: None,
-        length: 0.0,
-    };
-    if cell == goal.0 {
-        let points = vec![root.at, goal.1.approx()];
-        return Some(Way {
-            portals: Vec::new(),
-            bends: Vec::new(),
-            length: points[0].distance(points[1]),
-            points,
-        });
+    let starts = touched(graph, cell, &start);
+    for (cell, portals) in &starts {
+        search.leg(Stop::Start, *cell, portals);
     }
-    for portal in graph.edge_range(cell).map(EdgeId) {
-        if graph.edge(portal).twin().is_some() {
-            let ends = [search.turn(portal), search.turn(graph.next(portal))];
-            // A start on the portal sees all beyond it.
-            let inside = orient(&start, &ends[0].exact, &ends[1].exact) == Side::Left;
-            let [right, left] = ends.map(|end| Border {
-                line: inside.then_some((start, end.exact)),
-                ..Border::at_end(&root, end)
-            });
-            search.push(Node {
-                root,
-                portal,
-                right,
-                left,
-                parent: NO_PARENT,
-            });
-        }
-    }
-    while let Some(entry) = search.queue.pop() {
-        match entry.what {
-            What::Way(bend) => return Some(search.way(root.at, &entry, bend)),
-            What::Node => search.expand(entry.node),
+    while let Some(Waiting { stop, .. }) = search.queue.pop() {
+        let edge = match stop {
+            Stop::Goal => return Some(search.way(cell)),
+            Stop::Start => continue,
+            Stop::Corner(edge) => edge,
+        };
+        let known = search.reached.get_mut(&stop);
+        if known.is_some_and(|known| !std::mem::replace(&mut known.done, true)) {
+            for edge in around(graph, edge) {
+                search.leg(stop, graph.edge(edge).cell, &[]);
+            }
         }
     }
     None
 }
 
-impl Border {
-    /// Through the end of a portal.
-    fn at_end(root: &Root, end: Turn) -> Self {
-        let apart = root.id != Some(end.id);
-        Border {
-            line: apart.then_some((root.exact, end.exact)),
-            bend: (apart && end.juts).then_some(end),
-            at: end.at,
-        }
-    }
-
-    /// On which side of the border a point lies; on neither if there is none.
-    fn side(&self, p: &Vertex) -> Option<Side> {
-        self.line.map(|(from, to)| orient(&from, &to, p))
-    }
-
-    /// The same line where it crosses the next portal.
-    fn further(&self, right: &Turn, left: &Turn) -> Self {
-        let at = self.line.map(|(from, to)| {
-            let (from, to) = (from.approx(), to.approx());
-            let [f, g] = [right.at, left.at].map(|p| (to - from).perp_dot(p - from));
-            let share = if f == g { 0.0 } else { f / (f - g) };
-            right.at.lerp(left.at, share.clamp(0.0, 1.0))
-        });
-        Border {
-            line: self.line,
-            bend: None,
-            at: at.unwrap_or(right.at),
-        }
-    }
-}
-
 impl Search<'_> {
-    /// The corner in which an edge starts.
-    fn turn(&self, edge: EdgeId) -> Turn {
-        let id = self.graph.edge(edge).origin;
-        Turn {
-            id,
-            exact: *self.graph.vertices.exact(id),
-            at: self.graph.vertices.approx(id),
-            juts: corner_at(self.graph, edge) == Corner::Jutting,
+    fn exact(&self, stop: Stop) -> &Vertex {
+        match stop {
+            Stop::Start => &self.start,
+            Stop::Goal => &self.goal,
+            Stop::Corner(edge) => self.graph.vertices.exact(self.graph.edge(edge).origin),
         }
     }
 
-    fn push(&mut self, node: Node) {
-        let root = &node.root;
-        if let Some(id) = root.id {
-            let this = (root.length, root.before);
-            let known = self.reached.entry(id).or_insert(this);
-            if root.length < known.0 {
-                *known = this;
-            } else if *known != this {
-                return;
-            }
+    fn at(&self, stop: Stop) -> DVec2 {
+        match stop {
+            Stop::Corner(edge) => self.graph.vertices.approx(self.graph.edge(edge).origin),
+            _ => self.exact(stop).approx(),
         }
-        let ends = [node.left.at, node.right.at];
-        self.queue.push(Entry {
-            length: root.length + through(root.at, ends, self.goal.1.approx()),
-            node: self.nodes.len() as u32,
-            what: What::Node,
-        });
-        self.nodes.push(node);
     }
 
-    /// What lies behind a node.
-    fn expand(&mut self, index: u32) {
-        let node = self.nodes[index as usize];
-        if let Some(id) = node.root.id
-            && self.reached.get(&id) != Some(&(node.root.length, node.root.before))
-        {
-            return;
-        }
+    /// Everything that is seen from a stop through one of the cells that it touches: corners, and
+    /// perhaps the goal. `before` are portals from the start's own cell.
+    fn leg(&mut self, root: Stop, first: CellId, before: &[EdgeId]) {
         let graph = self.graph;
-        let Some(entry) = graph.edge(node.portal).twin() else {
-            return;
+        let (from, goal) = (*self.exact(root), self.goal);
+        let side_of = |p: VertexId, q: &Vertex| orient(&from, graph.vertices.exact(p), q);
+        let side = |p: VertexId, q: VertexId| match root {
+            Stop::Corner(edge) => graph.vertices.orient(graph.edge(edge).origin, p, q),
+            _ => side_of(p, graph.vertices.exact(q)),
         };
-        if graph.edge(entry).cell == self.goal.0 {
-            self.finish(index, &node);
-            return;
+        let mut views: Vec<View> = Vec::new();
+        let edges = || graph.edge_range(first).map(EdgeId);
+        for edge in edges() {
+            self.reach(root, first, edge, before, &[], None);
         }
-        // Counterclockwise from the portal's right end to its left end.
-        let mut edge = graph.next(entry);
-        let mut right = self.turn(edge);
-        while edge != entry {
-            let left = self.turn(graph.next(edge));
-            if graph.edge(edge).twin().is_some() {
-                self.pass(index, &node, edge, right, left);
+        if self.goals.contains_key(&first) {
+            self.reach_goal(root, first, first, before, &[], None);
+        }
+        // A portal in line with the root shows nothing.
+        let open = |edge: EdgeId| {
+            let [right, left] = [graph.edge(edge).origin, graph.end(edge)];
+            let opens = side(right, left) == Side::Left;
+            (graph.edge(edge).twin().is_some() && opens).then_some([right, left])
+        };
+        let view = |edge: EdgeId| {
+            open(edge).map(|[right, left]| View {
+                portal: edge,
+                right,
+                left,
+                parent: None,
+            })
+        };
+        views.extend(edges().filter_map(view));
+        let mut next = 0;
+        while next < views.len() {
+            let view = views[next];
+            next += 1;
+            let Some(entry) = graph.edge(view.portal).twin() else {
+                continue;
+            };
+            let cell = graph.edge(entry).cell;
+            let [right, left] = [view.right, view.left];
+            if self.goals.contains_key(&cell)
+                && side_of(right, &goal) != Side::Right
+                && side_of(left, &goal) != Side::Left
+            {
+                self.reach_goal(root, first, cell, before, &views, Some(next - 1));
             }
-            right = left;
-            edge = graph.next(edge);
-        }
-    }
-
-    /// The parts of a portal that are seen from the node's root through its interval, and those that
-    /// are not: there the way bends at the interval's end.
-    fn pass(&mut self, index: u32, node: &Node, portal: EdgeId, right: Turn, left: Turn) {
-        let child = |root: Root, right: Border, left: Border| Node {
-            root,
-            portal,
-            right,
-            left,
-            parent: index,
-        };
-        let bent = |at: &Turn| Root {
-            exact: at.exact,
-            at: at.at,
-            id: Some(at.id),
-            before: node.root.id,
-            length: node.root.length + node.root.at.distance(at.at),
-        };
-        let cut_right = node.right.side(&right.exact) == Some(Side::Right);
-        let cut_left = node.left.side(&left.exact) == Some(Side::Left);
-        let beyond_right = node
-            .right
-            .side(&left.exact)
-            .is_some_and(|s| s != Side::Left);
-        let beyond_left = node
-            .left
-            .side(&right.exact)
-            .is_some_and(|s| s != Side::Right);
-        if (cut_right || beyond_right)
-            && let Some(bend) = &node.right.bend
-        {
-            let root = bent(bend);
-            let border = if beyond_right {
-                Border::at_end(&root, left)
-            } else {
-                node.right.further(&right, &left)
-            };
-            self.push(child(root, Border::at_end(&root, right), border));
-        }
-        if (cut_left || beyond_left)
-            && let Some(bend) = &node.left.bend
-        {
-            let root = bent(bend);
-            let border = if beyond_left {
-                Border::at_end(&root, right)
-            } else {
-                node.left.further(&right, &left)
-            };
-            self.push(child(root, border, Border::at_end(&root, left)));
-        }
-        if !beyond_right && !beyond_left {
-            let border = |border: &Border, cut: bool, end: Turn| {
-                if cut {
-                    border.further(&right, &left)
-                } else {
-                    Border::at_end(&node.root, end)
+            // On which sides of the two borders the edge's origin lies, and then its end.
+            let sides = |p: VertexId| [side(right, p), side(left, p)];
+            let mut edge = graph.next(entry);
+            let mut origin = sides(graph.edge(edge).origin);
+            while edge != entry {
+                let end = sides(graph.end(edge));
+                // The corners of the portal belong to the cell before.
+                let seen = origin[0] != Side::Right && origin[1] != Side::Left;
+                if seen && graph.edge(edge).origin != graph.end(entry) {
+                    self.reach(root, first, edge, before, &views, Some(next - 1));
                 }
-            };
-            self.push(child(
-                node.root,
-                border(&node.right, cut_right, right),
-                border(&node.left, cut_left, left),
-            ));
+                if graph.edge(edge).twin().is_some()
+                    && origin[1] != Side::Left
+                    && end[0] != Side::Right
+                {
+                    let narrowed = [
+                        match origin[0] {
+                            Side::Right => right,
+                            _ => graph.edge(edge).origin,
+                        },
+                        match end[1] {
+                            Side::Left => left,
+                            _ => graph.end(edge),
+                        },
+                    ];
+                    if side(narrowed[0], narrowed[1]) == Side::Left {
+                        views.push(View {
+                            portal: edge,
+                            right: narrowed[0],
+                            left: narrowed[1],
+                            parent: Some(next - 1),
+                        });
+                    }
+                }
+                (edge, origin) = (graph.next(edge), end);
+            }
         }
     }
 
-    /// The goal lies in the cell behind the node.
-    fn finish(&mut self, index: u32, node: &Node) {
-        let (goal, at) = (self.goal.1, self.goal.1.approx());
-        let bend = if node.right.side(&goal) == Some(Side::Right) {
-            Some(node.right.bend)
-        } else if node.left.side(&goal) == Some(Side::Left) {
-            Some(node.left.bend)
-        } else {
-            None
+    /// The corner in which an edge starts, if it juts into the room.
+    fn corner(&mut self, edge: EdgeId) -> Option<Stop> {
+        let graph = self.graph;
+        *self.corners[edge.0 as usize].get_or_insert_with(|| {
+            let juts = corner_at(graph, edge) == Corner::Jutting;
+            juts.then(|| Stop::Corner(around(graph, edge)[0]))
+        })
+    }
+
+    /// The corner in which an edge starts is seen from a root.
+    fn reach(
+        &mut self,
+        root: Stop,
+        from: CellId,
+        edge: EdgeId,
+        before: &[EdgeId],
+        views: &[View],
+        last: Option<usize>,
+    ) {
+        let Some(stop) = self.corner(edge) else {
+            return;
         };
-        let root = &node.root;
-        let (length, last) = match bend {
-            None => (root.at.distance(at), None),
-            // Not to be seen, and no corner to go around.
-            Some(None) => return,
-            Some(Some(bend)) => (
-                root.at.distance(bend.at) + bend.at.distance(at),
-                Some(bend.id),
-            ),
+        let portals = || before.iter().copied().chain(chain(views, last)).collect();
+        self.shorten(root, from, stop, portals);
+    }
+
+    /// The goal, which touches this cell, is seen from a root.
+    fn reach_goal(
+        &mut self,
+        root: Stop,
+        from: CellId,
+        cell: CellId,
+        before: &[EdgeId],
+        views: &[View],
+        last: Option<usize>,
+    ) {
+        let rest = self.goals[&cell].clone();
+        let portals = || {
+            let seen = before.iter().copied().chain(chain(views, last));
+            seen.chain(rest).collect()
         };
-        self.queue.push(Entry {
-            length: root.length + length,
-            node: index,
-            what: What::Way(last),
+        self.shorten(root, from, Stop::Goal, portals);
+    }
+
+    /// Keeps a leg from `root` to `stop` if no way as short is known.
+    fn shorten(
+        &mut self,
+        root: Stop,
+        from: CellId,
+        stop: Stop,
+        portals: impl FnOnce() -> Vec<EdgeId>,
+    ) {
+        let so_far = self.reached.get(&root).map_or(0.0, |known| known.length);
+        let at = self.at(stop);
+        let length = so_far + self.at(root).distance(at);
+        let known = self.reached.get(&stop);
+        if stop == root || known.is_some_and(|known| known.done || known.length <= length) {
+            return;
+        }
+        let reached = Reached {
+            length,
+            before: root,
+            from,
+            portals: portals(),
+            done: false,
+        };
+        self.reached.insert(stop, reached);
+        self.pushed += 1;
+        self.queue.push(Waiting {
+            least: length + at.distance(self.goal.approx()),
+            number: self.pushed,
+            stop,
         });
     }
 
-    fn way(&self, start: DVec2, entry: &Entry, last_bend: Option<VertexId>) -> Way {
-        let mut portals = Vec::new();
-        let mut bends: Vec<VertexId> = last_bend.into_iter().collect();
-        let mut index = entry.node;
-        while index != NO_PARENT {
-            let node = &self.nodes[index as usize];
-            portals.push(node.portal);
-            if let Some(id) = node.root.id.filter(|id| bends.last() != Some(id)) {
-                bends.push(id);
+    /// The way from a cell to the goal, which has been reached.
+    fn way(&self, start: CellId) -> Way {
+        let graph = self.graph;
+        let mut legs = Vec::new();
+        let mut stop = Stop::Goal;
+        while let Some(leg) = self.reached.get(&stop) {
+            legs.push((stop, leg));
+            stop = leg.before;
+        }
+        legs.reverse();
+        let mut way = Way {
+            portals: Vec::new(),
+            bends: Vec::new(),
+            points: vec![self.at(Stop::Start)],
+            length: legs.last().map_or(0.0, |(_, leg)| leg.length),
+        };
+        for (stop, leg) in legs {
+            if let Stop::Corner(first) = leg.before {
+                let arrived = last_cell(graph, start, &way.portals);
+                way.portals.extend(turn(graph, first, arrived, leg.from));
             }
-            index = node.parent;
+            way.portals.extend(&leg.portals);
+            way.points.push(self.at(stop));
+            if let Stop::Corner(edge) = stop {
+                way.bends.push(graph.edge(edge).origin);
+            }
         }
-        portals.reverse();
-        bends.reverse();
-        let between = bends.iter().map(|&v| self.graph.vertices.approx(v));
-        Way {
-            points: [start]
-                .into_iter()
-                .chain(between)
-                .chain([self.goal.1.approx()])
-                .collect(),
-            portals,
-            bends,
-            length: entry.length,
-        }
+        way
     }
 }
 
-/// The least length of a way from `root` through the interval to `goal`, whatever else stands there.
-fn through(root: DVec2, [left, right]: [DVec2; 2], goal: DVec2) -> f64 {
-    let along = left - right;
-    let side = |p: DVec2| along.perp_dot(p - right);
-    let (f, mut g) = (side(root), side(goal));
-    let mut goal = goal;
-    if (f > 0.0) == (g > 0.0) {
-        // On the same side: as far as to its mirror image.
-        goal -= along.perp() * (2.0 * g / along.length_squared());
-        g = -g;
+/// The portals through which a view is seen, outwards.
+fn chain(views: &[View], last: Option<usize>) -> impl Iterator<Item = EdgeId> {
+    let mut portals = Vec::new();
+    let mut view = last;
+    while let Some(i) = view {
+        portals.push(views[i].portal);
+        view = views[i].parent;
     }
-    let t = if f == g { 0.0 } else { f / (f - g) };
-    let crossing = root.lerp(goal, t);
-    let part = (crossing - right).dot(along) / along.length_squared();
-    if part <= 0.0 {
-        root.distance(right) + right.distance(goal)
-    } else if part >= 1.0 {
-        root.distance(left) + left.distance(goal)
+    portals.into_iter().rev()
+}
+
+/// The edges that start in the same vertex, between the same walls, counterclockwise from the wall
+/// on the right; there must be one.
+fn around(graph: &CellGraph, edge: EdgeId) -> Vec<EdgeId> {
+    let mut first = edge;
+    while let Some(twin) = graph.edge(first).twin() {
+        first = graph.next(twin);
+    }
+    let mut edges = vec![first];
+    while let Some(twin) = graph.edge(graph.previous(edges[edges.len() - 1])).twin() {
+        edges.push(twin);
+    }
+    edges
+}
+
+/// The portals about a corner from one of its cells to another.
+fn turn(graph: &CellGraph, corner: EdgeId, from: CellId, to: CellId) -> Vec<EdgeId> {
+    let edges = around(graph, corner);
+    let of = |cell| edges.iter().position(|&e| graph.edge(e).cell == cell);
+    let (Some(from), Some(to)) = (of(from), of(to)) else {
+        return Vec::new();
+    };
+    if from <= to {
+        let left = edges[from..to].iter().map(|&e| graph.previous(e));
+        left.collect()
     } else {
-        root.distance(goal)
+        edges[to + 1..=from].iter().rev().copied().collect()
     }
+}
+
+/// The cells that touch a point of `cell` and are open to it there, each with the portals on which
+/// the point lies, from `cell` on.
+fn touched(graph: &CellGraph, cell: CellId, p: &Vertex) -> Vec<(CellId, Vec<EdgeId>)> {
+    let mut found = vec![(cell, Vec::new())];
+    let mut next = 0;
+    while next < found.len() {
+        let (cell, portals) = found[next].clone();
+        next += 1;
+        for edge in graph.edge_range(cell).map(EdgeId) {
+            let Some(twin) = graph.edge(edge).twin() else {
+                continue;
+            };
+            let beyond = graph.edge(twin).cell;
+            if lies_on(graph, edge, p) && found.iter().all(|(known, _)| *known != beyond) {
+                let on = portals.iter().copied().chain([edge]);
+                found.push((beyond, on.collect()));
+            }
+        }
+    }
+    found
+}
+
+/// Whether a point lies on an edge, ends included.
+fn lies_on(graph: &CellGraph, edge: EdgeId, p: &Vertex) -> bool {
+    let ends = [graph.edge(edge).origin, graph.end(edge)];
+    let [a, b] = ends.map(|v| graph.vertices.exact(v));
+    let between = |to: Ordering, on: Ordering| to == on || to.is_eq() || on.is_eq();
+    orient(a, b, p) == Side::On
+        && between(a.cmp_x(p), p.cmp_x(b))
+        && between(a.cmp_y(p), p.cmp_y(b))
 }

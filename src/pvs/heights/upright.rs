@@ -148,7 +148,9 @@ impl Upright {
         for slot in &slots[2..] {
             let highest = Slope::through(steep.0.0, steep.1.0).at(slot.s);
             let lowest = Slope::through(flat.0.0, flat.1.0).at(slot.s);
-            if slot.bottom >= highest {
+            // A product decides, not the quotient: it has no rounding where the numbers have few digits.
+            let above = |line: (Point, Point), z: f64| turn(line.0.0, line.1.0, [slot.s, z]);
+            if above(steep, slot.bottom) >= 0.0 {
                 let clash = Clash {
                     gates: [steep.0.1, steep.1.1, slot.gate],
                     dips: true,
@@ -156,7 +158,7 @@ impl Upright {
                 self.clashes.push((slot.bottom - highest, clash));
                 continue;
             }
-            if slot.top <= lowest {
+            if above(flat, slot.top) <= 0.0 {
                 let clash = Clash {
                     gates: [flat.0.1, flat.1.1, slot.gate],
                     dips: false,
@@ -164,7 +166,8 @@ impl Upright {
                 self.clashes.push((lowest - slot.top, clash));
                 continue;
             }
-            let (lowers, lifts) = (slot.top < highest, slot.bottom > lowest);
+            let lowers = above(steep, slot.top) < 0.0;
+            let lifts = above(flat, slot.bottom) > 0.0;
             if lowers {
                 let top = high(slot);
                 steep = (self.bottoms.touch(top.0, false), top);

@@ -159,11 +159,6 @@ fn trials(level: &Level, options: &StudyOptions, grounds: &[Ground]) -> Vec<Tria
         list.push(Trial::new(Work::See(options), (ground, subdivision), share));
     };
     add(with(Method::Flood), 0, 0.2);
-    for rays in RAYS {
-        let mut options = with(Method::Sample);
-        options.sample.rays = rays;
-        add(options, 0, 1.0);
-    }
     let on_others = [
         (Method::Flood, 0.2),
         (Method::Flow, 1.0),
@@ -182,6 +177,11 @@ fn trials(level: &Level, options: &StudyOptions, grounds: &[Ground]) -> Vec<Tria
             options.heights = Some(HeightsOptions { splits });
             add(options, 0, 1.0);
         }
+    }
+    for rays in RAYS {
+        let mut options = with(Method::Sample);
+        options.sample.rays = rays;
+        add(options, 0, if rays < 10_000 { 1.0 } else { 4.0 });
     }
     add(with(Method::Lp), 0, 6.0);
     list
