@@ -8,11 +8,14 @@ pub mod beam;
 mod brute;
 pub mod camera;
 pub mod cast;
+pub mod layout;
 pub mod light;
 pub mod ray;
 pub mod sampling;
+pub mod shadow;
 pub mod shapes;
 pub mod space;
+pub mod stream;
 
 pub use cast::{Met, Place, walk};
 pub use ray::Ray;
