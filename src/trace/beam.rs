@@ -104,8 +104,10 @@ impl Patch {
     pub fn depths(&self, space: &Space, bundle: &impl Bundle, depths: &mut Vec<f64>) {
         depths.clear();
         if let Some((surface, _)) = self.met {
-            let fan = bundle.fan();
-            dispatch!(Level::new(), simd => depth::fill(simd, space, &fan, &self.area, surface, depths));
+            let (fan, area) = (bundle.fan(), self.area);
+            dispatch!(Level::new(), simd => {
+                depth::fill(simd, space, &fan, &area, surface, depths);
+            });
         }
     }
 }
@@ -184,11 +186,13 @@ fn from_a_point<S: Simd>(
             End::Meets(surface, cell) => Some((surface, CellId(cell))),
             End::Nothing | End::Arrives => None,
         };
-        depths.clear();
-        if let (true, Some((surface, _))) = (with_depths, met) {
-            depth::fill(simd, space, fan, &area, surface, &mut depths);
-        }
-        out(Patch { area, mask, met }, &depths);
+        let t = match met {
+            Some((surface, _)) if with_depths => {
+                depth::fill(simd, space, fan, &area, surface, &mut depths)
+            }
+            _ => &[],
+        };
+        out(Patch { area, mask, met }, t);
     });
 }
 

@@ -57,34 +57,43 @@ impl Plane {
     }
 }
 
-/// How far each ray of a rectangle goes, row after row.
+/// How far each ray of a rectangle goes, row after row; `depths` is room for it.
 #[inline(always)]
-pub fn fill<S: Simd>(
+pub fn fill<'a, S: Simd>(
     simd: S,
     space: &Space,
     fan: &Fan,
     area: &Area,
     surface: Surface,
-    depths: &mut Vec<f64>,
-) {
+    depths: &'a mut Vec<f64>,
+) -> &'a [f64] {
     let plane = Plane::of(space, fan, surface);
-    depths.clear();
-    depths.resize(area.len(), 0.0);
+    let n = area.len();
+    if depths.len() < n {
+        depths.resize(n, 0.0);
+    }
     simd.vectorize(
         #[inline(always)]
-        || rows(simd, fan, &plane, area, depths),
+        || rows(simd, fan, &plane, area, &mut depths[..n]),
     );
+    &depths[..n]
 }
 
 #[inline(always)]
 fn rows<S: Simd>(simd: S, fan: &Fan, plane: &Plane, area: &Area, depths: &mut [f64]) {
     let width = area.width() as usize;
     for (row, y) in depths.chunks_exact_mut(width).zip(area.y.0..) {
-        for (four, i) in row.chunks_mut(4).zip(0..) {
-            let t = plane.depths(simd, directions(simd, fan, area.x.0 + 4 * i, y));
-            let t: &[f64; 4] = &t;
-            let n = four.len();
-            four.copy_from_slice(&t[..n]);
+        let mut x = area.x.0;
+        let (fours, rest) = row.as_chunks_mut::<4>();
+        for four in fours {
+            *four = *plane.depths(simd, directions(simd, fan, x, y));
+            x += 4;
+        }
+        if !rest.is_empty() {
+            let t: [f64; 4] = *plane.depths(simd, directions(simd, fan, x, y));
+            for (one, t) in rest.iter_mut().zip(t) {
+                *one = t;
+            }
         }
     }
 }

@@ -168,8 +168,14 @@ fn fate<S: Simd, R: Rays>(
         return Fate::Parts;
     };
     // Whoever came through an edge asks the corners in turn: none may be in doubt up to the exit.
-    let asked = (2u64 << exit) - 1;
-    if at.entry != INSIDE && !(left | right) & asked & !1 != 0 {
+    // Whoever starts in the cell may be wrong where two neighbours are.
+    let doubt = !(left | right);
+    let doubt = if at.entry == INSIDE {
+        doubt & doubt >> 1 & ((1 << room.n) - 1)
+    } else {
+        doubt & ((2 << exit) - 2)
+    };
+    if doubt != 0 {
         return Fate::Parts;
     }
     at_edge(simd, space, R::ARRIVE, o, beam, room, at.cell, turn.back(exit))
@@ -331,25 +337,16 @@ struct Window<S: Simd> {
 }
 
 impl<S: Simd> Window<S> {
+    /// The directions.
     #[inline(always)]
-    fn new<R: Rays>(simd: S, rays: &R, area: &Area) -> Self {
-        let nothing = [[f64x4::splat(simd, 0.0); 2]; 8];
-        let mut window = Self {
-            height: area.height() as usize,
-            halves: area.width().div_ceil(4) as usize,
-            x: nothing,
-            y: nothing,
-            z: nothing,
-            at: nothing,
-        };
-        for row in 0..window.height {
-            for half in 0..window.halves {
+    fn aim<R: Rays>(&mut self, simd: S, rays: &R, area: &Area) {
+        for row in 0..self.height {
+            for half in 0..self.halves {
                 let (x, y) = (area.x.0 + 4 * half as u32, area.y.0 + row as u32);
                 let d = rays.four(simd, x, y);
-                (window.x[row][half], window.y[row][half], window.z[row][half]) = (d[0], d[1], d[2]);
+                (self.x[row][half], self.y[row][half], self.z[row][half]) = (d[0], d[1], d[2]);
             }
         }
-        window
     }
 
     /// Which rays pass a corner on its left.
@@ -429,7 +426,16 @@ fn window<S: Simd, R: Rays>(
     if R::ARRIVE && at.cell == rays.destination() {
         return tell(under_way, End::Arrives);
     }
-    let mut window = Window::new(simd, rays, &area);
+    let zero = f64x4::splat(simd, 0.0);
+    let mut window = Window {
+        height: area.height() as usize,
+        halves: area.width().div_ceil(4) as usize,
+        x: [[zero; 2]; 8],
+        y: [[zero; 2]; 8],
+        z: [[zero; 2]; 8],
+        at: [[zero; 2]; 8],
+    };
+    window.aim(simd, rays, &area);
     let follows = |k: u32| if k + 1 == room.n { 0 } else { k + 1 };
     let (mut edge, n) = match at.entry {
         INSIDE => (0, room.n),
