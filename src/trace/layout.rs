@@ -1,10 +1,12 @@
 //! The cells laid out for speed: what a ray asks of a cell, and nothing else.
 //!
 //! In: the cells and edges of a [`super::Space`]. Out: a [`Layout`] with the same numbers of cells
-//! and edges. The corners of a cell stand four by four in one cache line ([`Block`]), so that a ray
-//! asks four at once on which side it passes; the signs become bits of a mask, and the edge through
+//! and edges. The corners of a cell stand eight by eight in two cache lines ([`Block`]), so that a ray
+//! asks eight at once on which side it passes; the signs become bits of a mask, and the edge through
 //! which the ray leaves is found by shifting ([`Turn`]). An edge keeps the heights between which a
 //! ray goes on, and where ([`Gate`]).
+
+use std::hint::select_unpredictable;
 
 use glam::DVec2;
 
@@ -34,14 +36,14 @@ pub struct Room {
     pub n: u32,
 }
 
-/// Four corners of a cell. Behind the last one the first is repeated.
+/// Eight corners of a cell. Behind the last one the first is repeated.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Block {
     /// Their x.
-    pub x: [f64; 4],
+    pub x: [f64; 8],
     /// Their y.
-    pub y: [f64; 4],
+    pub y: [f64; 8],
 }
 
 /// What a ray meets at an edge.
@@ -74,9 +76,9 @@ impl Layout {
                 first: cell.first,
                 n: cell.past - cell.first,
             };
-            for four in 0..room.n.div_ceil(4) {
+            for eight in 0..room.n.div_ceil(8) {
                 let corner = |k: usize| {
-                    let i = 4 * four + k as u32;
+                    let i = 8 * eight + k as u32;
                     let edge = room.first + if i < room.n { i } else { 0 };
                     vertices[edges[edge as usize].from as usize]
                 };
@@ -126,11 +128,17 @@ impl Layout {
         self.rooms[cell as usize]
     }
 
+    /// A cell's blocks.
+    #[inline]
+    pub fn blocks(&self, room: Room) -> &[Block] {
+        &self.blocks[room.block as usize..][..room.n.div_ceil(8) as usize]
+    }
+
     /// A corner of a cell, counted from 0.
     #[inline]
     pub fn corner(&self, room: Room, k: u32) -> DVec2 {
-        let block = &self.blocks[(room.block + k / 4) as usize];
-        let k = (k % 4) as usize;
+        let block = &self.blocks[(room.block + k / 8) as usize];
+        let k = (k % 8) as usize;
         DVec2::new(block.x[k], block.y[k])
     }
 
@@ -155,15 +163,9 @@ impl Turn {
     /// For a ray that came through this edge, or [`INSIDE`].
     #[inline]
     pub fn new(n: u32, entry: u32) -> Self {
-        if entry == INSIDE {
-            Self { by: 0, n, exits: n }
-        } else {
-            Self {
-                by: entry + 1,
-                n,
-                exits: n - 1,
-            }
-        }
+        let by = entry.wrapping_add(1);
+        let exits = n - u32::from(by != 0);
+        Self { by, n, exits }
     }
 
     /// The mask, its lowest bit for the corner that is asked first; the bit after the last is that
@@ -176,17 +178,26 @@ impl Turn {
     }
 
     /// Turned masks of corners on the right and on the left: the edge, in this order, that is the
-    /// first to lead from right to left.
+    /// first to lead from right to left; if there is none, some other, and false.
     #[inline]
-    pub fn exit(self, right: u64, left: u64) -> Option<u32> {
-        let exits = right & (left >> 1) & ((1 << self.exits) - 1);
-        (exits != 0).then(|| exits.trailing_zeros())
+    pub fn exit(self, right: u64, left: u64) -> (u32, bool) {
+        let none = 1 << self.exits;
+        let exits = right & (left >> 1) & (none - 1);
+        ((exits | none).trailing_zeros(), exits != 0)
     }
 
     /// The edge's place in its cell.
     #[inline]
     pub fn back(self, edge: u32) -> u32 {
         let at = edge + self.by;
-        if at >= self.n { at - self.n } else { at }
+        select_unpredictable(at >= self.n, at.wrapping_sub(self.n), at)
+    }
+}
+
+impl Room {
+    /// The place of the edge that follows.
+    #[inline]
+    pub fn next(self, edge: u32) -> u32 {
+        select_unpredictable(edge + 1 == self.n, 0, edge + 1)
     }
 }

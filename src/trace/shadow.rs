@@ -50,23 +50,22 @@ pub fn blocker(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> Option
     let (layout, d, o) = (&space.layout, lamp.at - point, lamp.at.truncate());
     while cell != lamp.cell.0 {
         let room = layout.room(cell);
-        let next = |k: u32| if k + 1 == room.n { 0 } else { k + 1 };
         let (first, n) = match entry {
             INSIDE => (0, room.n),
-            entry => (next(entry), room.n - 1),
+            entry => (room.next(entry), room.n - 1),
         };
         let mut edge = first;
         let mut a = layout.corner(room, edge) - o;
         let mut from = d.x * a.y - d.y * a.x;
         let mut exit = None;
         for _ in 0..n {
-            let b = layout.corner(room, next(edge)) - o;
+            let b = layout.corner(room, room.next(edge)) - o;
             let to = d.x * b.y - d.y * b.x;
             if from < 0.0 && to >= 0.0 {
                 exit = Some((a.x * b.y - a.y * b.x, to - from));
                 break;
             }
-            (a, from, edge) = (b, to, next(edge));
+            (a, from, edge) = (b, to, room.next(edge));
         }
         // Without an exit the ray goes straight up or down, or grazes its cell in a corner.
         let (across, width) = exit?;

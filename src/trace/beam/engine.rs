@@ -149,24 +149,31 @@ fn fate<S: Simd, R: Rays>(
     // |v - o|₁ is at most 4 extents.
     let bound = f64x4::splat(simd, 4.0 * extent * beam.error);
     let (mut left, mut right) = (0u64, 0u64);
-    let blocks = &layout.blocks[room.block as usize..][..room.n.div_ceil(4) as usize];
-    for (block, k) in blocks.iter().zip(0..) {
-        let x = f64x4::simd_from(simd, block.x) - o.x;
-        let y = f64x4::simd_from(simd, block.y) - o.y;
-        let a = y * beam.x[0] - x * beam.y[0];
-        let b = y * beam.x[1] - x * beam.y[1];
-        let c = y * beam.x[2] - x * beam.y[2];
-        let d = y * beam.x[3] - x * beam.y[3];
-        let least = a.min(b).min(c.min(d));
-        let most = a.max(b).max(c.max(d));
-        left |= least.simd_gt(bound).to_bitmask() << (4 * k);
-        right |= most.simd_lt(-bound).to_bitmask() << (4 * k);
+    for (block, k) in layout.blocks(room).iter().zip(0..) {
+        let (x, y) = (block.x.as_chunks().0, block.y.as_chunks().0);
+        for half in 0..2 {
+            let at = 8 * k + 4 * half as u32;
+            if at >= room.n {
+                break;
+            }
+            let x = f64x4::simd_from(simd, x[half]) - o.x;
+            let y = f64x4::simd_from(simd, y[half]) - o.y;
+            let a = y * beam.x[0] - x * beam.y[0];
+            let b = y * beam.x[1] - x * beam.y[1];
+            let c = y * beam.x[2] - x * beam.y[2];
+            let d = y * beam.x[3] - x * beam.y[3];
+            let least = a.min(b).min(c.min(d));
+            let most = a.max(b).max(c.max(d));
+            left |= least.simd_gt(bound).to_bitmask() << at;
+            right |= most.simd_lt(-bound).to_bitmask() << at;
+        }
     }
     let turn = Turn::new(room.n, at.entry);
     let (left, right) = (turn.of(left), turn.of(right));
-    let Some(exit) = turn.exit(right, left) else {
+    let (exit, found) = turn.exit(right, left);
+    if !found {
         return Fate::Parts;
-    };
+    }
     // Whoever came through an edge asks the corners in turn: none may be in doubt up to the exit.
     // Whoever starts in the cell may be wrong where two neighbours are.
     let doubt = !(left | right);
@@ -196,7 +203,7 @@ fn at_edge<S: Simd>(
 ) -> Fate {
     let layout = &space.layout;
     let gate = layout.gate(room, edge);
-    let next = if edge + 1 == room.n { 0 } else { edge + 1 };
+    let next = room.next(edge);
     let plan = o.truncate();
     let (a, b) = (layout.corner(room, edge) - plan, layout.corner(room, next) - plan);
     let across = a.x * b.y - a.y * b.x;
@@ -436,15 +443,14 @@ fn window<S: Simd, R: Rays>(
         at: [[zero; 2]; 8],
     };
     window.aim(simd, rays, &area);
-    let follows = |k: u32| if k + 1 == room.n { 0 } else { k + 1 };
     let (mut edge, n) = match at.entry {
         INSIDE => (0, room.n),
-        entry => (follows(entry), room.n - 1),
+        entry => (room.next(entry), room.n - 1),
     };
     let mut a = layout.corner(room, edge) - o.truncate();
     let mut right = window.right(a);
     for _ in 0..n {
-        let next = follows(edge);
+        let next = room.next(edge);
         let b = layout.corner(room, next) - o.truncate();
         let to_the_right = window.right(b);
         let exits = right & !to_the_right & under_way;
