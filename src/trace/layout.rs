@@ -58,6 +58,8 @@ pub struct Gate {
     pub cell: u32,
     /// Through its edge with this place in it.
     pub entry: u32,
+    /// The number of that edge; [`WALL`] where nothing lies beyond.
+    pub twin: u32,
 }
 
 /// Stands for no entry: the ray starts in the cell.
@@ -98,6 +100,7 @@ impl Layout {
                     high: own.ceiling,
                     cell: edge.cell,
                     entry: INSIDE,
+                    twin: WALL,
                 };
             }
             let beyond = edges[edge.twin as usize].cell;
@@ -110,6 +113,7 @@ impl Layout {
                 high: own.ceiling.min(edge.top),
                 cell: beyond,
                 entry: edge.twin - cells[beyond as usize].first,
+                twin: edge.twin,
             }
         });
         Self {

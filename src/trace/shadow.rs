@@ -40,11 +40,18 @@ pub struct Lamp {
 pub fn blocker(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> Option<Surface> {
     let entry = start.on.and_then(edge_of).map(|e| {
         let edge = space.edge(e);
-        let e = if edge.cell == start.cell.0 { e } else { edge.twin };
+        let e = if edge.cell == start.cell.0 {
+            e
+        } else {
+            edge.twin
+        };
         e - space.cell(start.cell.0).first
     });
     let (mut cell, mut entry) = (start.cell.0, entry.unwrap_or(INSIDE));
-    if let Some(on) = start.on.filter(|&on| is_behind(space, on, cell, entry, lamp)) {
+    if let Some(on) = start
+        .on
+        .filter(|&on| is_behind(space, on, cell, entry, lamp))
+    {
         return Some(on);
     }
     let (layout, d, o) = (&space.layout, lamp.at - point, lamp.at.truncate());

@@ -20,9 +20,9 @@ use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
 use super::area::{Area, Mask};
+use crate::cells::{CellId, EdgeId};
 use crate::trace::layout::{Gate, INSIDE, MOST, Room, Turn};
 use crate::trace::space::{Space, Surface, WALL};
-use crate::cells::{CellId, EdgeId};
 
 /// 32u, see above.
 pub const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
@@ -185,7 +185,16 @@ fn fate<S: Simd, R: Rays>(
     if doubt != 0 {
         return Fate::Parts;
     }
-    at_edge(simd, space, R::ARRIVE, o, beam, room, at.cell, turn.back(exit))
+    at_edge(
+        simd,
+        space,
+        R::ARRIVE,
+        o,
+        beam,
+        room,
+        at.cell,
+        turn.back(exit),
+    )
 }
 
 /// What the rays do that leave the cell through this edge on the plan.
@@ -205,7 +214,10 @@ fn at_edge<S: Simd>(
     let gate = layout.gate(room, edge);
     let next = room.next(edge);
     let plan = o.truncate();
-    let (a, b) = (layout.corner(room, edge) - plan, layout.corner(room, next) - plan);
+    let (a, b) = (
+        layout.corner(room, edge) - plan,
+        layout.corner(room, next) - plan,
+    );
     let across = a.x * b.y - a.y * b.x;
     if arrive && across >= 0.0 {
         return Fate::Ends(End::Arrives);
@@ -264,7 +276,11 @@ impl<S: Simd> Rise<S> {
     fn sign(&self, height: f64) -> Sign {
         if height.is_infinite() {
             // No sign to ask.
-            if height < 0.0 { Sign::Positive } else { Sign::Negative }
+            if height < 0.0 {
+                Sign::Positive
+            } else {
+                Sign::Negative
+            }
         } else if self.is_above(height) {
             Sign::Positive
         } else if self.is_below(height) {
@@ -467,7 +483,12 @@ fn window<S: Simd, R: Rays>(
                 if through != 0 {
                     let (area, mask) = Mask::trim(through, &area);
                     let (cell, entry) = (gate.cell, gate.entry);
-                    pending.push(At { area, mask, cell, entry });
+                    pending.push(At {
+                        area,
+                        mask,
+                        cell,
+                        entry,
+                    });
                 }
                 if stopped != 0 {
                     let id = room.first + edge;
@@ -507,7 +528,10 @@ fn sort<S: Simd>(
         rest &= !bits;
     };
     tell(window.below(chamber.floor), Surface::Floor(CellId(cell)));
-    tell(window.above(chamber.ceiling), Surface::Ceiling(CellId(cell)));
+    tell(
+        window.above(chamber.ceiling),
+        Surface::Ceiling(CellId(cell)),
+    );
     let id = EdgeId(edge);
     if border.twin == WALL {
         return tell(u64::MAX, Surface::Wall(id));
