@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::beam::Bundle;
+use super::beam::{Bundle, Fan};
 use super::ray::Ray;
 
 /// A camera with its picture's size.
@@ -16,12 +16,7 @@ pub struct Camera {
     pub eye: DVec3,
     /// Pixels across and down.
     pub size: [u32; 2],
-    /// Middle of the picture as seen from the eye.
-    towards: DVec3,
-    /// From the middle of the picture to the middle of its right border.
-    right: DVec3,
-    /// From the middle of the picture to the middle of its upper border.
-    up: DVec3,
+    fan: Fan,
 }
 
 impl Camera {
@@ -35,12 +30,17 @@ impl Camera {
         let up = right.cross(towards);
         let half = (fov.to_radians() / 2.0).tan();
         let aspect = f64::from(size[1]) / f64::from(size[0]);
+        // From the middle of the picture to the middles of its right and upper border.
+        let (right, up) = (right * half, up * half * aspect);
         Self {
             eye,
             size,
-            towards,
-            right: right * half,
-            up: up * half * aspect,
+            fan: Fan {
+                origin: eye,
+                corner: towards - right + up,
+                across: right * (2.0 / f64::from(size[0])),
+                down: up * (-2.0 / f64::from(size[1])),
+            },
         }
     }
 
@@ -48,23 +48,17 @@ impl Camera {
     /// has length 1 along the line of view: `t` is the depth.
     #[inline]
     pub fn ray(&self, at: DVec2) -> Ray {
-        let x = 2.0 * at.x / f64::from(self.size[0]) - 1.0;
-        let y = 1.0 - 2.0 * at.y / f64::from(self.size[1]);
         Ray {
             origin: self.eye,
-            direction: self.towards + self.right * x + self.up * y,
+            direction: self.fan.direction(at),
         }
     }
 }
 
 impl Bundle for Camera {
-    fn origin(&self) -> DVec3 {
-        self.eye
-    }
-
     #[inline]
-    fn direction(&self, at: DVec2) -> DVec3 {
-        self.ray(at).direction
+    fn fan(&self) -> Fan {
+        self.fan
     }
 }
 

@@ -167,7 +167,7 @@ pub(super) fn face(border: &Border, edge: u32, z: f64) -> Option<Surface> {
 }
 
 /// The edge on which a surface stands.
-fn edge_of(surface: Surface) -> Option<u32> {
+pub(super) fn edge_of(surface: Surface) -> Option<u32> {
     match surface {
         Surface::Floor(_) | Surface::Ceiling(_) => None,
         Surface::Wall(e)

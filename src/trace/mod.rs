@@ -20,14 +20,17 @@ pub mod cast;
 pub mod dress;
 pub mod effects;
 pub mod image;
+pub mod layout;
 pub mod light;
 pub mod picture;
 pub mod ray;
 pub mod render;
 pub mod sampling;
 pub mod shade;
+pub mod shadow;
 pub mod shapes;
 pub mod space;
+pub mod stream;
 pub mod world;
 
 pub use cast::{Met, Place, walk};

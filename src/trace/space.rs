@@ -10,6 +10,7 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
 use super::dress::side_at;
+use super::layout::Layout;
 use crate::cells::{CellGraph, CellId, Doors, EdgeId};
 use crate::geom::Line;
 use crate::level::scene::MaterialId;
@@ -24,6 +25,8 @@ pub struct Space {
     pub cells: Vec<Chamber>,
     /// By [`EdgeId`]: cell after cell, counterclockwise.
     pub edges: Vec<Border>,
+    /// The same once more, for speed.
+    pub layout: Layout,
 }
 
 /// What lies above a cell: a prism from floor to ceiling.
@@ -150,10 +153,13 @@ impl Space {
                 border.top = portal.top.unwrap_or(f64::INFINITY);
             }
         }
+        let (vertices, cells): (Vec<_>, Vec<_>) = (vertices.collect(), cells.collect());
+        let layout = Layout::new(&vertices, &cells, &edges);
         Self {
-            vertices: vertices.collect(),
-            cells: cells.collect(),
+            vertices,
+            cells,
             edges,
+            layout,
         }
     }
 
@@ -167,6 +173,7 @@ impl Space {
                 border.pane = Some(Pane::Grating);
             }
         }
+        space.layout = Layout::new(&space.vertices, &space.cells, &space.edges);
         space
     }
 

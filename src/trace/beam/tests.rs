@@ -1,0 +1,272 @@
+//! Beams, shadows and streams against single rays, bit for bit, from random eyes.
+
+use std::path::Path;
+
+use fearless_simd::{Level as Simds, dispatch};
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::cells::{CellGraph, Locator, Options, Subdivision, subdivide};
+use crate::level::{Level, doom, read, snap, wad};
+use crate::trace::camera::Camera;
+use crate::trace::cast::{Met, Place, walk};
+use crate::trace::sampling::Source;
+use crate::trace::shadow::{self, Lamp};
+use crate::trace::stream;
+
+/// What was compared: pixels, shadow rays of which so many are lit, rays of streams.
+#[derive(Debug, Default)]
+struct Compared {
+    pixels: usize,
+    masked: usize,
+    shadow_rays: usize,
+    lit: usize,
+    streamed: usize,
+}
+
+/// A point inside a cell, with a height between its floor and ceiling.
+fn inside(space: &Space, graph: &CellGraph, random: &mut Source) -> Option<(DVec3, CellId)> {
+    let id = (random.next() * space.cells.len() as f64) as u32;
+    let cell = space.cell(id);
+    let (low, high) = (cell.floor.max(-50.0), cell.ceiling.min(50.0));
+    let (low, high) = match cell.floor.is_finite() {
+        true => (cell.floor, cell.ceiling),
+        false => (low, high),
+    };
+    let corners = (cell.first..cell.past).map(|e| space.vertex(space.edge(e).from));
+    let plan = corners.sum::<DVec2>() / f64::from(cell.past - cell.first);
+    let at = graph.grid.nearest(plan)?;
+    let [start] = Locator::new(graph).cells_at(graph, &at.into())[..] else {
+        return None;
+    };
+    let z = low + (high - low) * random.next();
+    (low < high && start.0 == id).then(|| (graph.grid.to_level(at).extend(z), start))
+}
+
+/// Pictures from random eyes, with lamps and reflected rays.
+fn same_as_single_rays(level: &Level, graph: &CellGraph, eyes: u32, size: [u32; 2]) -> Compared {
+    let space = Space::new(level, graph);
+    let mut random = Source::new(5, 0, 0);
+    let mut sum = Compared::default();
+    let mut done = 0;
+    for _ in 0..50 * eyes {
+        let Some((eye, start)) = inside(&space, graph, &mut random) else {
+            continue;
+        };
+        if done == eyes {
+            break;
+        }
+        done += 1;
+        let angle = random.next() * 7.0;
+        let towards = DVec2::from_angle(angle).extend(random.next() * 2.0 - 1.0);
+        let camera = Camera::new(eye, towards, 90.0, size);
+        // One at the eye, which lights all that it sees.
+        let own = Lamp {
+            at: eye,
+            cell: start,
+        };
+        let others = (0..20).filter_map(|_| inside(&space, graph, &mut random));
+        let others = others.map(|(at, cell)| Lamp { at, cell });
+        let lamps: Vec<Lamp> = std::iter::once(own).chain(others).take(3).collect();
+        let tile = 1 + (random.next() * 60.0) as u32;
+        let bounced = picture(&space, &camera, start, tile, &lamps, &mut sum);
+        streams(&space, &bounced, &mut sum);
+    }
+    println!("{}: {sum:?}", level.name);
+    sum
+}
+
+/// One picture, in tiles; the rays that are reflected somehow from what is met.
+fn picture(
+    space: &Space,
+    camera: &Camera,
+    start: CellId,
+    tile: u32,
+    lamps: &[Lamp],
+    sum: &mut Compared,
+) -> Vec<(Ray, Place)> {
+    let (size, fan) = (camera.size, camera.fan());
+    let mut times_met = vec![0; (size[0] * size[1]) as usize];
+    let mut random = Source::new(6, 0, 0);
+    let mut bounced = Vec::new();
+    for y in (0..size[1]).step_by(tile as usize) {
+        for x in (0..size[0]).step_by(tile as usize) {
+            let area = Area {
+                x: (x, (x + tile).min(size[0])),
+                y: (y, (y + tile).min(size[1])),
+            };
+            let mut patches = Vec::new();
+            cast_patches(space, camera, start, area, |patch, t| {
+                patches.push((patch, t.to_vec()));
+            });
+            let mut portable = Vec::new();
+            dispatch!(Simds::baseline(), simd => from_a_point(
+                simd, space, &fan, start, area,
+                |patch, t| portable.push((patch, t.to_vec())), true,
+            ));
+            assert!(patches == portable);
+            for (patch, t) in &patches {
+                sum.masked += usize::from(!patch.mask.is_all());
+                let mut again = Vec::new();
+                patch.depths(space, camera, &mut again);
+                assert!(again[..t.len()] == t[..]);
+                let mut t = t.iter();
+                each(&patch.area, patch.mask, |x, y, inside| {
+                    let t = t.next();
+                    if !inside {
+                        return;
+                    }
+                    times_met[(y * size[0] + x) as usize] += 1;
+                    let ray = camera.ray(middle(x, y));
+                    let place = Place {
+                        cell: start,
+                        on: None,
+                    };
+                    let single = walk(space, &ray, place, f64::INFINITY, |_, _| f64::INFINITY);
+                    let beam = patch.met.map(|(surface, cell)| Met {
+                        t: *t.expect("a t for each pixel"),
+                        surface,
+                        cell,
+                    });
+                    assert_eq!(beam, single, "pixel {x} {y} of {camera:?}");
+                    sum.pixels += 1;
+                    let Some(met) = beam.filter(|met| met.t.is_finite()) else {
+                        return;
+                    };
+                    let aside = DVec3::new(random.next(), random.next(), random.next()) - 0.5;
+                    let away = Ray {
+                        origin: ray.at(met.t),
+                        direction: space.normal(met.surface) + aside * 1.9,
+                    };
+                    let (cell, on) = (met.cell, Some(met.surface));
+                    bounced.push((away, Place { cell, on }));
+                });
+                for lamp in lamps {
+                    shadows(space, camera, patch, lamp, sum);
+                }
+            }
+        }
+    }
+    assert!(times_met.iter().all(|&n| n == 1), "every pixel once");
+    bounced
+}
+
+fn shadows(space: &Space, camera: &Camera, patch: &Patch, lamp: &Lamp, sum: &mut Compared) {
+    let Some((surface, cell)) = patch.met else {
+        return;
+    };
+    let mut depths = Vec::new();
+    patch.depths(space, camera, &mut depths);
+    let (mut asked, mut told) = (0, 0);
+    each(&patch.area, patch.mask, |_, _, inside| {
+        asked += usize::from(inside)
+    });
+    shadow::patch(space, camera, patch, lamp, |area, mask, blocker| {
+        each(&area, mask, |x, y, inside| {
+            if !inside {
+                return;
+            }
+            told += 1;
+            assert!(patch.mask.has(x - patch.area.x.0, y - patch.area.y.0));
+            let row = (y - patch.area.y.0) * patch.area.width();
+            let t = depths[(row + x - patch.area.x.0) as usize];
+            let point = camera.ray(middle(x, y)).at(t);
+            let place = Place {
+                cell,
+                on: Some(surface),
+            };
+            let single = shadow::blocker(space, point, place, lamp);
+            assert_eq!(
+                blocker, single,
+                "{x} {y} of {camera:?}, {lamp:?}, on {surface:?}"
+            );
+            sum.lit += usize::from(single.is_none());
+        });
+    });
+    assert_eq!(asked, told);
+    sum.shadow_rays += asked;
+}
+
+fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
+    let single: Vec<Option<Met>> = rays
+        .iter()
+        .map(|(ray, place)| walk(space, ray, *place, f64::INFINITY, |_, _| f64::INFINITY))
+        .collect();
+    for level in [Simds::new(), Simds::baseline()] {
+        let mut met = vec![None; rays.len()];
+        stream::cast_at(level, space, rays.iter().copied(), |i, m| {
+            assert!(met[i as usize].is_none(), "twice");
+            met[i as usize] = Some(m);
+        });
+        for (i, (met, single)) in met.iter().zip(&single).enumerate() {
+            assert_eq!(met.as_ref(), Some(single), "{:?}", rays[i]);
+        }
+    }
+    sum.streamed += rays.len();
+}
+
+/// Every pixel of an area, and whether it is in the mask.
+fn each(area: &Area, mask: Mask, mut of: impl FnMut(u32, u32, bool)) {
+    for y in area.y.0..area.y.1 {
+        for x in area.x.0..area.x.1 {
+            of(x, y, mask.has(x - area.x.0, y - area.y.0));
+        }
+    }
+}
+
+#[test]
+fn all_rays_meet_what_single_rays_do() {
+    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    for name in ["tiny.toml", "museum.toml", "cathedral.toml", "maze.toml"] {
+        let bytes = std::fs::read(levels.join(name)).unwrap();
+        let level = read::read(bytes, name, None).unwrap();
+        for subdivision in Subdivision::ALL {
+            let options = Options {
+                subdivision,
+                ..Options::default()
+            };
+            let graph = subdivide(&level, &options);
+            let sum = same_as_single_rays(&level, &graph, 6, [120, 75]);
+            assert!(sum.pixels > 50_000 && sum.streamed > 50_000, "{sum:?}");
+            assert!(sum.masked > 100, "{sum:?}");
+            assert!(
+                sum.lit > 10_000 && sum.lit < sum.shadow_rays * 9 / 10,
+                "{sum:?}"
+            );
+        }
+    }
+}
+
+/// Rooms of very many corners, and numbers that f64 hardly holds.
+#[test]
+fn and_so_in_hard_levels() {
+    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/hard");
+    for name in [
+        "room-of-10000-edges",
+        "far-from-zero",
+        "hair-thin-zones",
+        "scale-1024",
+    ] {
+        let file = format!("{name}.toml");
+        let bytes = std::fs::read(levels.join(&file)).unwrap();
+        let level = read::read(bytes, &file, None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let sum = same_as_single_rays(&level, &graph, 2, [48, 30]);
+        assert!(sum.pixels > 1000, "{name}: {sum:?}");
+    }
+}
+
+/// Needs the Debian package `freedoom`; does nothing without it.
+#[test]
+fn and_so_in_freedoom() {
+    let Ok(bytes) = std::fs::read("/usr/share/games/doom/freedoom1.wad") else {
+        return;
+    };
+    let wad = wad::Wad::parse(bytes).unwrap();
+    for map in ["E1M1", "E1M2", "E1M3"] {
+        let level = snap::snap(doom::read_map(&wad, map, "freedoom1.wad").unwrap()).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let sum = same_as_single_rays(&level, &graph, 8, [240, 150]);
+        assert!(sum.pixels > 200_000 && sum.lit > 200_000, "{sum:?}");
+    }
+}
