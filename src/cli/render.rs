@@ -14,6 +14,7 @@ use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Locator, subdivide};
 use crate::pvs::{Progress, sweep};
+use crate::trace::Tracer;
 use crate::trace::accel::Kind;
 use crate::trace::camera::Camera;
 use crate::trace::effects::{Effect, Effects, Survey, survey};
@@ -21,7 +22,6 @@ use crate::trace::picture::Exposure;
 use crate::trace::render::{Adaptive, RenderOptions, Rendered, render};
 use crate::trace::shade::Limits;
 use crate::trace::world::{World, locate};
-use crate::trace::Tracer;
 
 mod files;
 mod viewpoint;
@@ -36,13 +36,17 @@ pub struct RenderArgs {
     /// Picture to write: a .png (`-`: standard output)
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// From this camera of the level [default: the first; else a Doom map's player start; else the
+    /// From this camera of the level [default: the first, of Doom maps the player's start; else the
     /// middle of the largest cell]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// From this point (in the level's unit)
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
-    #[arg(allow_hyphen_values = true, conflicts_with = "camera", requires = "look")]
+    #[arg(
+        allow_hyphen_values = true,
+        conflicts_with = "camera",
+        requires = "look"
+    )]
     eye: Option<DVec3>,
     /// The point that is to be in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
@@ -139,7 +143,10 @@ fn effects(text: &str) -> Result<Asked, String> {
 fn structure(text: &str) -> Result<Found, String> {
     match text {
         "portal" => Ok(Found::Portal),
-        name => name.parse().map(Found::By).map_err(|e: String| format!("{e}, and portal")),
+        name => name
+            .parse()
+            .map(Found::By)
+            .map_err(|e: String| format!("{e}, and portal")),
     }
 }
 
@@ -199,12 +206,14 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
             pool.install(|| sweep::sweep(&graph, &counter))
         })
     });
-    let read = timed(&mut reading, || files::read(&args.level.level, &source, &level))?;
+    let read = timed(&mut reading, || {
+        files::read(&args.level.level, &source, &level)
+    })?;
     seconds.read += reading;
     let world = World::new(&level, &graph, &pvs, &read, args.ambient)
         .with_context(|| level.source.clone())?;
     let locator = Locator::new(&graph);
-    let view = Viewpoint::choose(args, &source, &level, &graph, &world, &locator)?;
+    let view = Viewpoint::choose(args, &level, &graph, &world)?;
     let start = locate(&world, &graph, &locator, view.eye)?;
     let survey = survey(&world, &pvs, start);
     let exposure = exposure(args, &world);

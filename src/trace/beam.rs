@@ -365,7 +365,7 @@ mod tests {
     use crate::cells::{CellGraph, Locator, Options, subdivide};
     use crate::level::{Level, doom, read, snap, wad};
     use crate::trace::camera::Camera;
-    use crate::trace::cast::walk;
+    use crate::trace::cast::{Place, walk};
     use crate::trace::sampling::Source;
 
     /// Pictures from random eyes, by beams and ray by ray; the pixels compared.

@@ -1,5 +1,14 @@
 //! From a level, its cells and its visible sets to pictures, by tracing rays.
 //!
+//! | file | what |
+//! |---|---|
+//! | [`space`], [`cast`], [`beam`] | the level's cells in floating point; rays that walk through them, singly and many at once |
+//! | [`shapes`], [`accel`] | objects, and structures over many of them |
+//! | [`world`] | the space with materials, objects and lights; the nearest thing on a ray's way, by walking, brute force or structures |
+//! | [`light`], [`shade`] | light sources; the tree of rays |
+//! | [`effects`] | what a picture calls for, and why |
+//! | [`camera`], [`sampling`], [`render`], [`picture`] | pixels to rays, chance, tiles, and bytes for a screen |
+//!
 //! Floating point starts here. Coordinates are f64 in the level's own unit: x right, y up on the
 //! plan, z up; right-handed. Rays need not have unit direction: `t` counts in multiples of it.
 

@@ -19,6 +19,8 @@ impl Source {
     }
 
     /// The next number, in [0, 1).
+    // No iterator: it never ends and is never wanted as one.
+    #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> f64 {
         self.0.random()
     }

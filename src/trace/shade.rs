@@ -269,11 +269,11 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
                 let mut source = Source::new(path.key, u64::from(number), 1);
                 let mut all = DVec3::ZERO;
                 for sample in source.stratified(n) {
-                    all += self.from_light(spot, finish, number, sample, work);
+                    all += self.light_from(spot, finish, number, sample, work);
                 }
                 sum += all / f64::from(n);
             } else {
-                sum += self.from_light(spot, finish, number, middle(light), work);
+                sum += self.light_from(spot, finish, number, middle(light), work);
             }
         }
         sum
@@ -281,7 +281,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
 
     /// Light from the part of a source that a sample picks.
     #[inline]
-    fn from_light(
+    fn light_from(
         &self,
         spot: &Spot,
         finish: &Finish,
@@ -445,9 +445,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         let tint = finish.pass(self.tracer.world, spot.hit);
         match direction {
-            Some(d) => {
-                tint * self.scattered(spot, finish, d, -1.0, &next, Kind::Refracted, work)
-            }
+            Some(d) => tint * self.scattered(spot, finish, d, -1.0, &next, Kind::Refracted, work),
             None => {
                 // Total internal reflection.
                 next.media = path.media;

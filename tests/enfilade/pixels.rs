@@ -144,13 +144,31 @@ fn a_chain_of_three_surfaces() {
     let text = [
         ROOM,
         &material("m", ""),
-        &material("one", "kd = [0.3, 0.3, 0.3]\nks = [0.5, 0.5, 0.5]\nshininess = 3\nmirror = 0.5"),
-        &material("two", "kd = [0.2, 0.2, 0.2]\nks = [0.4, 0.4, 0.4]\nshininess = 2\nmirror = 0.4"),
-        &material("three", "kd = [0.7, 0.7, 0.7]\nks = [0.2, 0.2, 0.2]\nshininess = 1"),
+        &material(
+            "one",
+            "kd = [0.3, 0.3, 0.3]\nks = [0.5, 0.5, 0.5]\nshininess = 3\nmirror = 0.5",
+        ),
+        &material(
+            "two",
+            "kd = [0.2, 0.2, 0.2]\nks = [0.4, 0.4, 0.4]\nshininess = 2\nmirror = 0.4",
+        ),
+        &material(
+            "three",
+            "kd = [0.7, 0.7, 0.7]\nks = [0.2, 0.2, 0.2]\nshininess = 1",
+        ),
         // A ray along x from (2, 2) turns at (6, 2) to y, at (6, 6) to -x, and ends at (3, 6).
-        &sheet("[[5, 1, 0.5], [7, 3, 0.5], [7, 3, 1.5], [5, 1, 1.5]]", "one"),
-        &sheet("[[5, 7, 0.5], [7, 5, 0.5], [7, 5, 1.5], [5, 7, 1.5]]", "two"),
-        &sheet("[[3, 5, 0.5], [3, 7, 0.5], [3, 7, 1.5], [3, 5, 1.5]]", "three"),
+        &sheet(
+            "[[5, 1, 0.5], [7, 3, 0.5], [7, 3, 1.5], [5, 1, 1.5]]",
+            "one",
+        ),
+        &sheet(
+            "[[5, 7, 0.5], [7, 5, 0.5], [7, 5, 1.5], [5, 7, 1.5]]",
+            "two",
+        ),
+        &sheet(
+            "[[3, 5, 0.5], [3, 7, 0.5], [3, 7, 1.5], [3, 5, 1.5]]",
+            "three",
+        ),
         &point_light([4.0, 4.0, 1.0], 6.0),
     ]
     .concat();
@@ -334,7 +352,10 @@ fn glass_takes_its_share_of_the_light() {
         let _ = kd;
         0.0
     };
-    near(found, [0.6 * i + own(0.8), 0.3 * i + own(0.4), 0.3 * i + own(0.4)]);
+    near(
+        found,
+        [0.6 * i + own(0.8), 0.3 * i + own(0.4), 0.3 * i + own(0.4)],
+    );
 }
 
 #[test]
@@ -354,5 +375,8 @@ fn sun_comes_in_through_a_window() {
     // Through the window one sees the sky, beside it the wall.
     let sky = scene.pixel([5.0, 5.0, 2.0], [10.0, 5.0, 2.0], &usual());
     assert!(sky.z > 0.5 && sky.z > sky.x, "{sky}");
-    near(scene.pixel([5.0, 5.0, 2.0], [10.0, 5.0, 0.5], &usual()), [0.0; 3]);
+    near(
+        scene.pixel([5.0, 5.0, 2.0], [10.0, 5.0, 0.5], &usual()),
+        [0.0; 3],
+    );
 }

@@ -15,8 +15,18 @@ use glam::DVec3;
 use crate::scene::Scene;
 
 const SAMPLES: [&str; 12] = [
-    "tiny", "museum", "cathedral", "house", "office", "maze", "enfilade", "gallery", "mirrors",
-    "polished", "frosted", "still-life",
+    "tiny",
+    "museum",
+    "cathedral",
+    "house",
+    "office",
+    "maze",
+    "enfilade",
+    "gallery",
+    "mirrors",
+    "polished",
+    "frosted",
+    "still-life",
 ];
 
 /// Few samples, for speed.
@@ -62,11 +72,31 @@ fn still_life(at: f64) -> Scene {
     };
     object("sphere", [5.0, 4.0, 0.8], "radius = 0.8", "glass");
     object("sphere", [5.0, 4.0, 0.8], "radius = 0.3", "chrome");
-    object("box", [7.0, 5.5, 0.0], "size = [1, 1, 2]\nrotation = [0, 0, 30]", "chrome");
+    object(
+        "box",
+        [7.0, 5.5, 0.0],
+        "size = [1, 1, 2]\nrotation = [0, 0, 30]",
+        "chrome",
+    );
     object("box", [8.5, 1.5, 0.0], "size = [1, 1, 1]", "brushed");
-    object("cylinder", [6.0, 2.0, 0.0], "radius = 0.4\nheight = 1.5", "glass");
-    object("cone", [3.0, 6.0, 0.0], "radius = 0.7\nheight = 1.6", "brushed");
-    object("sphere", [10.0, 4.0, 0.5], "radius = 0.5\nscale = [1, 2, 1]", "brushed");
+    object(
+        "cylinder",
+        [6.0, 2.0, 0.0],
+        "radius = 0.4\nheight = 1.5",
+        "glass",
+    );
+    object(
+        "cone",
+        [3.0, 6.0, 0.0],
+        "radius = 0.7\nheight = 1.6",
+        "brushed",
+    );
+    object(
+        "sphere",
+        [10.0, 4.0, 0.5],
+        "radius = 0.5\nscale = [1, 2, 1]",
+        "brushed",
+    );
     object(
         "polygon",
         [9.0, 6.5, 1.0],
@@ -75,7 +105,12 @@ fn still_life(at: f64) -> Scene {
     );
     for i in 0..12 {
         let x = 1.0 + 0.7 * f64::from(i);
-        object("sphere", [x, 7.4, 0.2], "radius = 0.2", ["glass", "brushed", "chrome"][i as usize % 3]);
+        object(
+            "sphere",
+            [x, 7.4, 0.2],
+            "radius = 0.2",
+            ["glass", "brushed", "chrome"][i as usize % 3],
+        );
     }
     _ = write!(
         text,
@@ -133,7 +168,12 @@ fn every_way(scene: &Scene, cameras: &[Camera], kinds: &[Kind], what: &str) {
 fn the_same_picture_by_every_way() {
     let size = [36, 24];
     let scene = still_life(0.0);
-    every_way(&scene, &[scene.camera(0, [60, 40])], &Kind::ALL, "still life");
+    every_way(
+        &scene,
+        &[scene.camera(0, [60, 40])],
+        &Kind::ALL,
+        "still life",
+    );
     for name in ["museum", "cathedral"] {
         let scene = Scene::sample(name);
         let cameras: Vec<Camera> = (0..2).map(|i| scene.camera(i, size)).collect();
@@ -217,8 +257,14 @@ fn scenes_show_their_effects() {
         ("gallery", &[Shadows, Soft, Mirror, Refraction, Textures]),
         ("mirrors", &[Shadows, Soft, Mirror, Textures]),
         ("polished", &[Shadows, Soft, Glossy, Textures]),
-        ("frosted", &[Shadows, Soft, Refraction, Translucency, Textures]),
-        ("still-life", &[Shadows, Soft, Mirror, Glossy, Refraction, Textures]),
+        (
+            "frosted",
+            &[Shadows, Soft, Refraction, Translucency, Textures],
+        ),
+        (
+            "still-life",
+            &[Shadows, Soft, Mirror, Glossy, Refraction, Textures],
+        ),
         ("cathedral", &[Shadows, Soft, Textures]),
     ];
     for (name, effects) in scenes {
@@ -252,7 +298,11 @@ fn a_mirror_shows_more_than_the_eye_sees() {
     let found = |mirror: &str| {
         let scene = Scene::of(&text(mirror), 0.1);
         let survey = survey(&scene.world, &scene.pvs, scene.cell(eye));
-        survey.verdicts.into_iter().find(|v| v.effect == Effect::Refraction).unwrap()
+        survey
+            .verdicts
+            .into_iter()
+            .find(|v| v.effect == Effect::Refraction)
+            .unwrap()
     };
     let plain = found("0.0");
     assert!(!plain.needed, "{}", plain.reason);
@@ -277,10 +327,18 @@ fn no_spots_on_walls_and_floors() {
              [[light]]\nkind = \"point\"\nposition = [{}, {}, 0.000001]\nintensity = 9\n\
              [[light]]\nkind = \"point\"\nposition = [{}, {}, 2.999999]\nintensity = 9\n\
              [[light]]\nkind = \"disc\"\nposition = [{}, {}, 3]\ndirection = [0, 0, -1]\nradius = 1\nintensity = 9\n",
-            at + 9.0, at + 10.0, at + 4.0, at + 7.0, at + 9.0, at + 8.0,
-            at + 3.0, at + 3.0,
-            at + 0.000_1, at + 4.0,
-            at + 5.0, at + 4.0,
+            at + 9.0,
+            at + 10.0,
+            at + 4.0,
+            at + 7.0,
+            at + 9.0,
+            at + 8.0,
+            at + 3.0,
+            at + 3.0,
+            at + 0.000_1,
+            at + 4.0,
+            at + 5.0,
+            at + 4.0,
         );
         let scene = Scene::of(&text, 0.1);
         for z in [0.001, 1.5, 2.999] {
@@ -314,7 +372,12 @@ fn no_spots_on_shapes() {
                 "[[room]]\nname = \"Room\"\nrect = [{at}, {at}, {}, {}]\nceiling = 6\n\
                  [[object]]\n{keys}\nposition = [{}, {}, 2]\n\
                  [[light]]\nkind = \"point\"\nposition = [{}, {}, 4]\nintensity = 9\n",
-                at + 8.0, at + 8.0, at + 4.0, at + 4.0, at + 1.0, at + 5.0,
+                at + 8.0,
+                at + 8.0,
+                at + 4.0,
+                at + 4.0,
+                at + 1.0,
+                at + 5.0,
             );
             let scene = Scene::of(&text, 0.0);
             for eye in [[1.0, 2.0, 3.0], [7.0, 6.0, 1.0], [4.0, 7.5, 5.5]] {
@@ -337,7 +400,10 @@ fn no_spots_on_shapes() {
                     };
                     if matches!(met, enfilade::trace::world::meet::Meeting::Object(..)) {
                         n += 1;
-                        assert_eq!(one.pixels[i as usize], two.pixels[i as usize], "{keys} at {at}");
+                        assert_eq!(
+                            one.pixels[i as usize], two.pixels[i as usize],
+                            "{keys} at {at}"
+                        );
                     }
                 }
                 assert!(n > 300, "{keys}: {n}");
@@ -353,7 +419,9 @@ fn far_away_as_near() {
         scene.render(&scene.camera(0, [90, 60]), &quick()).picture
     });
     let pairs = near.pixels.iter().zip(&far.pixels);
-    let off = pairs.filter(|(a, b)| (**a - **b).abs().max_element() > 1e-3).count();
+    let off = pairs
+        .filter(|(a, b)| (**a - **b).abs().max_element() > 1e-3)
+        .count();
     // Only where an edge passes through the middle of a pixel.
     assert!(off < 27, "{off} of 5400 pixels differ");
 }
@@ -378,7 +446,13 @@ fn adaptive_samples_go_where_neighbours_differ() {
     let plain = scene.render(&camera, &quick());
     same(&none.picture.pixels, &plain.picture.pixels, "none refined");
     // Nearer to the picture of many samples than without.
-    let many = scene.render(&camera, &RenderOptions { samples: 64, ..quick() });
+    let many = scene.render(
+        &camera,
+        &RenderOptions {
+            samples: 64,
+            ..quick()
+        },
+    );
     let error = |picture: &[DVec3]| -> f64 {
         let pairs = picture.iter().zip(&many.picture.pixels);
         pairs.map(|(a, b)| (*a - *b).length_squared()).sum()

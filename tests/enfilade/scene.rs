@@ -57,10 +57,17 @@ impl Scene {
                 files.meshes.insert(file.clone(), obj::read(&text).unwrap());
             }
         }
-        for texture in level.scene.materials.iter().filter_map(|m| m.texture.as_ref()) {
+        for texture in level
+            .scene
+            .materials
+            .iter()
+            .filter_map(|m| m.texture.as_ref())
+        {
             let picture = image::open(folder.join(&texture.file)).unwrap().to_rgb8();
             let picture = Image::from_srgb(picture.width(), picture.height(), &picture);
-            files.pictures.insert(texture.file.clone(), picture.unwrap());
+            files
+                .pictures
+                .insert(texture.file.clone(), picture.unwrap());
         }
         Self::new(level, &files, 0.12)
     }

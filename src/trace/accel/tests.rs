@@ -322,7 +322,7 @@ fn ten_thousand_scenes() {
         };
         let mut shapes: Vec<Shape> = (0..n).map(|_| style.shape(&mut random)).collect();
         // The same shape twice: the lower number wins.
-        if seed % 3 == 0 {
+        if seed.is_multiple_of(3) {
             shapes.push(shapes[0].clone());
         }
         check(seed, &Objects::new(shapes), &style, 4)

@@ -353,7 +353,6 @@ impl Primitives for Listed<'_> {
         count: &mut C,
     ) -> Option<Contact> {
         let number = self.list[primitive as usize];
-        self.objects
-            .contact(number, cast, from, want, limit, count)
+        self.objects.contact(number, cast, from, want, limit, count)
     }
 }
