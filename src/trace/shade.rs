@@ -2,7 +2,9 @@
 //!
 //! In: a ray and where it starts. Out: the light that comes back along it, linear RGB:
 //!
-//!     I = emission + kd·Ia + Σ vis/d²·Ii·(kd·(N·L) + ks·(R·V)^n) + km·I(reflected) + kt·I(refracted)
+//! ```text
+//! I = emission + kd·Ia + Σ vis/d²·Ii·(kd·(N·L) + ks·(R·V)^n) + km·I(reflected) + kt·I(refracted)
+//! ```
 //!
 //! with kd, ks, n of the material, km its `mirror` and kt its `transmit`. Reflected light takes the
 //! hue of ks (gold reflects golden), passing light that of kd (red glass); without colour both are
