@@ -31,6 +31,19 @@ pub fn is_area(light: &Light) -> bool {
     }
 }
 
+/// Into how many columns and rows the unit square is best cut for about `n` samples of a source: a long
+/// rectangle into more across its length. Together they are at most `n`.
+pub fn parts(light: &Light, n: u32) -> [u32; 2] {
+    let n = n.max(1);
+    let slender = match light.shape {
+        LightShape::Rectangle { edges, .. } => edges[0].length() / edges[1].length(),
+        _ => 1.0,
+    };
+    let columns = (f64::from(n) * slender).sqrt().round();
+    let columns = columns.clamp(1.0, f64::from(n)) as u32;
+    [columns, n / columns]
+}
+
 /// The sample that picks the middle of a source, as seen from anywhere.
 pub fn middle(light: &Light) -> DVec2 {
     match light.shape {
@@ -243,6 +256,24 @@ mod tests {
             radius: 1.0,
         });
         assert_eq!(arrival(&disc, DVec3::Z, DVec2::splat(0.3)), None);
+    }
+
+    #[test]
+    fn a_long_lamp_is_cut_across() {
+        let lamp = |a: f64, b: f64| {
+            light(LightShape::Rectangle {
+                center: DVec3::ZERO,
+                edges: [DVec3::X * a, DVec3::Y * b],
+            })
+        };
+        assert_eq!(parts(&lamp(1.0, 1.0), 16), [4, 4]);
+        assert_eq!(parts(&lamp(60.0, 0.2), 16), [16, 1]);
+        assert_eq!(parts(&lamp(0.2, 60.0), 16), [1, 16]);
+        assert_eq!(parts(&lamp(4.0, 1.0), 16), [8, 2]);
+        for n in 1..40 {
+            let [columns, rows] = parts(&lamp(3.0, 1.0), n);
+            assert!(columns * rows <= n && columns * rows > n / 2, "{n}");
+        }
     }
 
     #[test]

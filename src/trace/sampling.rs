@@ -25,6 +25,15 @@ impl Source {
         self.0.random()
     }
 
+    /// `columns · rows` points of the unit square, one in each part of it; row by row.
+    pub fn grid(&mut self, columns: u32, rows: u32) -> impl Iterator<Item = DVec2> + '_ {
+        (0..columns * rows).map(move |i| {
+            let x = (f64::from(i % columns) + self.next()) / f64::from(columns);
+            let y = (f64::from(i / columns) + self.next()) / f64::from(rows);
+            DVec2::new(x, y)
+        })
+    }
+
     /// `n` points of the unit square, one in each of as many equal parts of it as there are whole
     /// rows and columns: n = 16 gives a 4 × 4 pattern. Parts of the last, incomplete row are wider.
     pub fn stratified(&mut self, n: u32) -> impl Iterator<Item = DVec2> + '_ {
@@ -79,6 +88,13 @@ mod tests {
         let mut parts: Vec<u32> = points
             .iter()
             .map(|p| (p.y * 4.0) as u32 * 4 + (p.x * 4.0) as u32)
+            .collect();
+        parts.sort();
+        assert_eq!(parts, (0..16).collect::<Vec<u32>>());
+        let points: Vec<DVec2> = Source::new(1, 0, 0).grid(8, 2).collect();
+        let mut parts: Vec<u32> = points
+            .iter()
+            .map(|p| (p.y * 2.0) as u32 * 8 + (p.x * 8.0) as u32)
             .collect();
         parts.sort();
         assert_eq!(parts, (0..16).collect::<Vec<u32>>());

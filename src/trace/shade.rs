@@ -2,7 +2,9 @@
 //!
 //! In: a ray and where it starts. Out: the light that comes back along it, linear RGB:
 //!
-//!     I = emission + kd·Ia + Σ vis/d²·Ii·(kd·(N·L) + ks·(R·V)^n) + km·I(reflected) + kt·I(refracted)
+//! ```text
+//! I = emission + kd·Ia + Σ vis/d²·Ii·(kd·(N·L) + ks·(R·V)^n) + km·I(reflected) + kt·I(refracted)
+//! ```
 //!
 //! with kd, ks, n of the material, km its `mirror` and kt its `transmit`. Reflected light takes the
 //! hue of ks (gold reflects golden), passing light that of kd (red glass); without colour both are
@@ -41,7 +43,7 @@ pub use medium::{Media, refract};
 pub use surface::{Finish, finishes, phong};
 
 use super::dress::Look;
-use super::light::{arrival, is_area, middle};
+use super::light::{arrival, is_area, middle, parts};
 use super::ray::Ray;
 use super::sampling::{Source, branch};
 use super::space::Surface;
@@ -267,11 +269,12 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
                     self.limits.light_samples.div_ceil(4)
                 };
                 let mut source = Source::new(path.key, u64::from(number), 1);
+                let [columns, rows] = parts(light, n);
                 let mut all = DVec3::ZERO;
-                for sample in source.stratified(n) {
+                for sample in source.grid(columns, rows) {
                     all += self.light_from(spot, finish, number, sample, work);
                 }
-                sum += all / f64::from(n);
+                sum += all / f64::from(columns * rows);
             } else {
                 sum += self.light_from(spot, finish, number, middle(light), work);
             }

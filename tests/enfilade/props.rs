@@ -297,8 +297,11 @@ fn stained(p: DVec2) -> Colour {
     shade(PANES[pick], 0.85 + 0.15 * clouds(p * 8.0, 8, 2, 161))
 }
 
+/// The colour at a place of a texture.
+type Paint = fn(DVec2) -> Colour;
+
 /// Name, size and colours of every texture.
-const TEXTURES: [(&str, [u32; 2], fn(DVec2) -> Colour); 8] = [
+const TEXTURES: [(&str, [u32; 2], Paint); 8] = [
     ("planks", [256, 256], planks),
     ("marble", [192, 192], marble),
     ("chequers", [192, 192], chequers),

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use crate::scene::Scene;
 
-const SAMPLES: [&str; 7] = [
+const SAMPLES: [&str; 12] = [
     "tiny",
     "museum",
     "cathedral",
@@ -22,6 +22,11 @@ const SAMPLES: [&str; 7] = [
     "office",
     "maze",
     "enfilade",
+    "gallery",
+    "mirrors",
+    "polished",
+    "frosted",
+    "still-life",
 ];
 
 /// Few samples, for speed.
@@ -242,6 +247,35 @@ fn what_is_left_out_changes_nothing() {
         }
     }
     assert!(left_out > 40, "{left_out}");
+}
+
+/// Scenes call for the effects that they are there to show, from their first camera.
+#[test]
+fn scenes_show_their_effects() {
+    use Effect::{Glossy, Mirror, Refraction, Shadows, Soft, Textures, Translucency};
+    let scenes: [(&str, &[Effect]); 6] = [
+        ("gallery", &[Shadows, Soft, Mirror, Refraction, Textures]),
+        ("mirrors", &[Shadows, Soft, Mirror, Textures]),
+        ("polished", &[Shadows, Soft, Glossy, Textures]),
+        (
+            "frosted",
+            &[Shadows, Soft, Refraction, Translucency, Textures],
+        ),
+        (
+            "still-life",
+            &[Shadows, Soft, Mirror, Glossy, Refraction, Textures],
+        ),
+        ("cathedral", &[Shadows, Soft, Textures]),
+    ];
+    for (name, effects) in scenes {
+        let scene = Scene::sample(name);
+        let camera = scene.camera(0, [36, 24]);
+        let needed = survey(&scene.world, &scene.pvs, scene.cell(camera.eye)).needed;
+        for &effect in effects {
+            assert!(needed.has(effect), "{name}: {}", effect.as_str());
+        }
+        every_way(&scene, &[camera], &[Kind::Brute], name);
+    }
 }
 
 #[test]

@@ -1,11 +1,17 @@
 //! Scenes for tests of pictures: from the text of a level to single pixels and whole pictures.
 
+use std::path::Path;
+
 use enfilade::cells::{CellGraph, CellId, Locator, Options, subdivide};
+use enfilade::level::doom::graphics;
+use enfilade::level::scene::Shape;
 use enfilade::level::{Level, read, snap, wad};
 use enfilade::pvs::{Progress, Pvs, sweep};
 use enfilade::trace::Tracer;
 use enfilade::trace::camera::Camera;
+use enfilade::trace::image::Image;
 use enfilade::trace::render::{RenderOptions, Rendered, render};
+use enfilade::trace::shapes::mesh::obj;
 use enfilade::trace::world::{Files, World, locate};
 use glam::{DVec2, DVec3};
 
@@ -39,10 +45,31 @@ impl Scene {
         Self::new(level, &Files::default(), ambient)
     }
 
-    /// One of the sample levels.
+    /// One of the sample levels, with its meshes and textures.
     pub fn sample(name: &str) -> Self {
-        let path = format!("{}/levels/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        Self::of(&std::fs::read_to_string(path).unwrap(), 0.12)
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+        let text = std::fs::read(folder.join(format!("{name}.toml"))).unwrap();
+        let level = read::read(text, "scene.toml", None).unwrap();
+        let mut files = Files::default();
+        for object in &level.scene.objects {
+            if let Shape::Mesh { file } = &object.shape {
+                let text = std::fs::read(folder.join(file)).unwrap();
+                files.meshes.insert(file.clone(), obj::read(&text).unwrap());
+            }
+        }
+        for texture in level
+            .scene
+            .materials
+            .iter()
+            .filter_map(|m| m.texture.as_ref())
+        {
+            let picture = image::open(folder.join(&texture.file)).unwrap().to_rgb8();
+            let picture = Image::from_srgb(picture.width(), picture.height(), &picture);
+            files
+                .pictures
+                .insert(texture.file.clone(), picture.unwrap());
+        }
+        Self::new(level, &files, 0.12)
     }
 
     /// A map of Freedoom; `None`, with a word on standard error, where it is not installed.
@@ -58,7 +85,11 @@ impl Scene {
         let wad = wad::Wad::parse(bytes).unwrap();
         let draft = enfilade::level::doom::read_map(&wad, map, "freedoom1.wad").unwrap();
         let level = snap::snap(draft).unwrap();
-        Some(Self::new(level, &Files::default(), 0.12))
+        let files = Files {
+            dress: graphics::pictures(&wad, &level.scene.dress),
+            ..Files::default()
+        };
+        Some(Self::new(level, &files, 0.12))
     }
 
     pub fn cell(&self, eye: DVec3) -> CellId {

@@ -2,7 +2,7 @@
 //! again, across x, y and z in turn.
 //!
 //! In: boxes of primitives. Out: a binary tree whose planes need not be stored, since they follow from
-//! the way down; a leaf lists the primitives whose enlarged boxes ([`super::margin`]) touch it. The
+//! the way down; a leaf lists the primitives whose enlarged boxes (`margin`) touch it. The
 //! walk keeps far halves on a stack, as in a kd-tree, together with their boxes.
 
 use std::collections::VecDeque;

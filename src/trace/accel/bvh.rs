@@ -1,7 +1,7 @@
 //! Hierarchies of bounding volumes.
 //!
 //! In: boxes of primitives. Out: a binary tree in which every node has a volume around all that is
-//! beneath. Two ways to build it ([`median`], [`insertion`]) and three kinds of volume ([`volume`])
+//! beneath. Two ways to build it (`median`, `insertion`) and three kinds of volume ([`volume`])
 //! are combined freely. A ray looks at both children of a node, goes on with the nearer, and comes
 //! back for the other unless something nearer was found.
 

@@ -1,8 +1,8 @@
 //! The uniform grid.
 //!
 //! In: boxes of primitives. Out: equal cells in a three-dimensional array, each listing the primitives
-//! whose enlarged boxes ([`super::margin`]) touch it. Two walks: [`classical`] intersects the ray with
-//! the faces of each cell, [`amanatides`] adds up steps.
+//! whose enlarged boxes (`margin`) touch it. Two walks: `classical` intersects the ray with
+//! the faces of each cell, `amanatides` adds up steps.
 
 mod amanatides;
 mod classical;
@@ -22,7 +22,7 @@ use super::search::Search;
 /// Cells per primitive, roughly.
 const DENSITY: f64 = 4.0;
 
-/// Cells in a row, at most: the bound on [`amanatides`]' rounding depends on it.
+/// Cells in a row, at most: the bound on `amanatides`' rounding depends on it.
 const LONGEST_ROW: usize = 128;
 
 /// How the next cell is found.

@@ -1,8 +1,8 @@
 //! The kd-tree.
 //!
 //! In: boxes of primitives. Out: a binary tree of planes across the axes; a leaf lists the primitives
-//! whose enlarged boxes ([`super::margin`]) touch it. Where the planes are put: [`split`]. How a ray
-//! finds the next leaf: [`walk`].
+//! whose enlarged boxes (`margin`) touch it. Where the planes are put: `split`. How a ray
+//! finds the next leaf: `walk`.
 
 mod split;
 mod walk;

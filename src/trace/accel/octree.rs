@@ -1,7 +1,7 @@
 //! The octree, walked by pushing a point.
 //!
 //! In: boxes of primitives. Out: a tree whose nodes have eight children, halves along all three axes;
-//! a leaf lists the primitives whose enlarged boxes ([`super::margin`]) touch it.
+//! a leaf lists the primitives whose enlarged boxes (`margin`) touch it.
 //!
 //! # The walk
 //!

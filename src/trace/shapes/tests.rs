@@ -380,7 +380,7 @@ fn closed_meshes_are_watertight() {
                 let (sb, cb) = (TAU / 2.0 * f64::from(j + 1) / f64::from(n + 1)).sin_cos();
                 let bump = random.random_range(0.7..1.3);
                 places.push(DVec3::new(ca * sb, sa * sb, cb) * bump);
-                let at = |i: u32, j: u32| 2 + (i as u32 % n as u32) * n as u32 + j;
+                let at = |i: u32, j: u32| 2 + (i % n as u32) * n as u32 + j;
                 let (i, j) = (i as u32, j as u32);
                 let next = i + 1;
                 if j == 0 {

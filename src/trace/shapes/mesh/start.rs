@@ -25,7 +25,7 @@
 //!
 //! # The bounds
 //!
-//! P must be computed as [`triangle::point`] does: off A's plane by at most two roundings of each
+//! P must be computed as `triangle::point` does: off A's plane by at most two roundings of each
 //! coordinate, 2^-52·|P|; here 2^-50·|P| is taken, and as much for corners, which files round too.
 //!
 //! *Distances.* N·(P - a) with N = e × f: products of differences, each with a relative error of 3u,
@@ -40,8 +40,6 @@ use glam::DVec3;
 use crate::trace::accel::Cast;
 use crate::trace::accel::cast::dominant;
 use crate::trace::ray::Start;
-#[cfg(doc)]
-use crate::trace::shapes::triangle;
 use crate::trace::shapes::triangle::{Pierced, pierce};
 
 use super::Points;

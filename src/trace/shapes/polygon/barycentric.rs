@@ -2,7 +2,7 @@
 //!
 //! Dropping a coordinate does not change them, and dropping the one along which the normal is longest
 //! keeps the triangles as large as possible. In each triangle
-//! β_i = [(P_{i+2} - P_{i+1}) × (I - P_{i+1})] / [N], and I is inside if none is negative. (Then none
+//! β_i = [(P_{i+2} - P_{i+1}) × (I - P_{i+1})] / N, and I is inside if none is negative. (Then none
 //! is above 1 either, since their sum is 1.)
 //!
 //! The product of an edge is always computed from its end of lower number, so that two triangles at an
