@@ -20,6 +20,7 @@
 //! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt`, inside and outside, portals, point location |
 //! | [`sight`] | chain of portals → stabbing line, or why there is none | the exact funnel that grows and shrinks with the chain; the exact solver; the lecture's linear programme |
 //! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; sectors, the file format, `verify` |
+//! | [`trace`] | `Level` + `CellGraph` + `Pvs` → image | rays, shapes, acceleration structures; floating point begins here |
 //! | [`report`] | results → people | JSON, pictures of the plan, explanations in words |
 //! | [`study`] | results → people | what accuracy costs in time; the hard cases |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
@@ -67,3 +68,4 @@ pub mod pvs;
 pub mod report;
 pub mod sight;
 pub mod study;
+pub mod trace;

@@ -13,6 +13,7 @@ mod output;
 mod picture;
 mod plan;
 mod progress;
+mod render;
 mod study;
 mod summary;
 mod verify;
@@ -38,6 +39,7 @@ enum Command {
     Export(export::ExportArgs),
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
+    Render(render::RenderArgs),
     Study(study::StudyArgs),
 }
 
@@ -72,6 +74,7 @@ pub fn main(memory: Option<Memory>) -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Study(args) => study::run(&args, memory),
     };
     match result {

@@ -6,6 +6,7 @@
 //! - `raw` is the map as its lumps say it; `binary` and `udmf` (with `text`, its grammar) read it.
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
 //!   move (`stairs` those of stairs), `reach` how far these go.
+//! - [`graphics`] puts textures together.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
 //!
 //! # What blocks sight
@@ -23,6 +24,7 @@ mod assemble;
 mod binary;
 mod defect;
 mod error;
+pub mod graphics;
 mod movers;
 mod raw;
 mod reach;

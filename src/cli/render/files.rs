@@ -1,0 +1,47 @@
+//! The files that a level names: meshes and pictures, from the level's folder.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::level::Level;
+use crate::level::scene::Shape;
+use crate::trace::image::Image;
+use crate::trace::shapes::mesh::obj;
+use crate::trace::world::Files;
+
+/// Reads them.
+pub fn read(level_file: &Path, level: &Level) -> Result<Files> {
+    let folder = level_file.parent().unwrap_or(Path::new("."));
+    let bytes = |file: &str, of: &str| {
+        let path = folder.join(file);
+        fs::read(&path).with_context(|| format!("cannot read {} of {of}", path.display()))
+    };
+    let mut files = Files::default();
+    for object in &level.scene.objects {
+        if let Shape::Mesh { file } = &object.shape
+            && !files.meshes.contains_key(file)
+        {
+            let of = format!("mesh `{}`", object.name.as_deref().unwrap_or(file));
+            let points = obj::read(&bytes(file, &of)?).with_context(|| file.clone())?;
+            files.meshes.insert(file.clone(), points);
+        }
+    }
+    for material in &level.scene.materials {
+        if let Some(texture) = &material.texture
+            && !files.pictures.contains_key(&texture.file)
+        {
+            let of = format!("material `{}`", material.name);
+            let picture = picture(&bytes(&texture.file, &of)?)
+                .with_context(|| format!("{} is no PNG picture", texture.file))?;
+            files.pictures.insert(texture.file.clone(), picture);
+        }
+    }
+    Ok(files)
+}
+
+fn picture(bytes: &[u8]) -> Result<Image> {
+    let picture = image::load_from_memory(bytes)?.to_rgb8();
+    Image::from_srgb(picture.width(), picture.height(), &picture).context("it is empty")
+}

@@ -1,0 +1,94 @@
+//! From pixels to rays: a pinhole camera.
+//!
+//! Source: lecture, "2D Example" and "Ray Generation": with the eye P0, the unit vector `towards` and
+//! d = 1, the left end of a row is P1 = P0 + towards − tan(Θ)·right, and pixel column i of `width`
+//! lies at P1 + (i / width)·2·tan(Θ)·right. (The lecture's +0.5 would start the row in its middle.)
+
+use glam::{DVec2, DVec3};
+
+use super::beam::Bundle;
+use super::ray::Ray;
+
+/// A camera with its picture's size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The eye.
+    pub eye: DVec3,
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// Middle of the picture as seen from the eye.
+    towards: DVec3,
+    /// From the middle of the picture to the middle of its right border.
+    right: DVec3,
+    /// From the middle of the picture to the middle of its upper border.
+    up: DVec3,
+}
+
+impl Camera {
+    /// A camera that looks along `direction` (not zero), upright as far as that goes: looking
+    /// straight up or down, the top of the picture is north or south. `fov` is the horizontal angle
+    /// of view in degrees, above 0 and below 180. Pixels are square.
+    pub fn new(eye: DVec3, direction: DVec3, fov: f64, size: [u32; 2]) -> Self {
+        let towards = direction.normalize();
+        let side = towards.cross(DVec3::Z).try_normalize();
+        let right = side.unwrap_or(DVec3::X);
+        let up = right.cross(towards);
+        let half = (fov.to_radians() / 2.0).tan();
+        let aspect = f64::from(size[1]) / f64::from(size[0]);
+        Self {
+            eye,
+            size,
+            towards,
+            right: right * half,
+            up: up * half * aspect,
+        }
+    }
+
+    /// The ray through a point of the picture, in pixels from its upper left corner. Its direction
+    /// has length 1 along the line of view: `t` is the depth.
+    #[inline]
+    pub fn ray(&self, at: DVec2) -> Ray {
+        let x = 2.0 * at.x / f64::from(self.size[0]) - 1.0;
+        let y = 1.0 - 2.0 * at.y / f64::from(self.size[1]);
+        Ray {
+            origin: self.eye,
+            direction: self.towards + self.right * x + self.up * y,
+        }
+    }
+}
+
+impl Bundle for Camera {
+    fn origin(&self) -> DVec3 {
+        self.eye
+    }
+
+    #[inline]
+    fn direction(&self, at: DVec2) -> DVec3 {
+        self.ray(at).direction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_of_the_picture() {
+        // 90 degrees: as far to the side as ahead; half as high as wide.
+        let camera = Camera::new(DVec3::ZERO, DVec3::Y * 3.0, 90.0, [200, 100]);
+        let close = |at: [f64; 2], direction: [f64; 3]| {
+            let ray = camera.ray(at.into());
+            assert!((ray.direction - DVec3::from_array(direction)).length() < 1e-12);
+        };
+        close([100.0, 50.0], [0.0, 1.0, 0.0]);
+        close([0.0, 0.0], [-1.0, 1.0, 0.5]);
+        close([200.0, 100.0], [1.0, 1.0, -0.5]);
+    }
+
+    #[test]
+    fn straight_down_keeps_a_frame() {
+        let camera = Camera::new(DVec3::ZERO, DVec3::NEG_Z, 90.0, [10, 10]);
+        let top = camera.ray(DVec2::new(5.0, 0.0)).direction;
+        assert!((top - DVec3::new(0.0, 1.0, -1.0)).length() < 1e-12, "{top}");
+    }
+}
