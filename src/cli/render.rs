@@ -198,7 +198,7 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
             pool.install(|| sweep::sweep(&graph, &counter))
         })
     });
-    let read = timed(&mut reading, || files::read(&args.level.level, &level))?;
+    let read = timed(&mut reading, || files::read(&args.level.level, &source, &level))?;
     seconds.read += reading;
     let world = World::new(&level, &graph, &pvs, &read, args.ambient)
         .with_context(|| level.source.clone())?;

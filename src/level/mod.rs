@@ -5,6 +5,7 @@
 
 pub mod doom;
 pub mod draft;
+pub mod dress;
 pub mod finding;
 mod model;
 pub mod read;

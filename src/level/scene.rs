@@ -6,6 +6,8 @@
 
 use glam::DVec3;
 
+use super::dress::Dress;
+
 /// Everything in a level that is not plan geometry. Empty where the source has none of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -21,6 +23,8 @@ pub struct Scene {
     pub paths: Vec<CameraPath>,
     /// Limits that `report` compares the level with.
     pub budget: Budget,
+    /// What walls, floors and ceilings wear one by one (Doom maps).
+    pub dress: Dress,
 }
 
 /// Index into [`Scene::materials`].

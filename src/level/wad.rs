@@ -459,7 +459,7 @@ fn extent_bytes(first: usize, second: usize) -> Result<[u8; 8], WadError> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A WAD of these lumps, its directory last.

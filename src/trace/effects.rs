@@ -208,6 +208,9 @@ pub fn survey(world: &World, pvs: &Pvs, eye: CellId) -> Survey {
         .map(|effect| {
             let found = match effect {
                 Effect::Shadows | Effect::Soft => of_lights(world, &lights, effect),
+                Effect::Textures if world.wardrobe.is_some() => {
+                    Ok("the map's own textures are on its walls, floors and ceilings".to_string())
+                }
                 _ => of_materials(world, &uses, &by, effect),
             };
             let (needed, reason) = match found {

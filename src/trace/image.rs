@@ -56,7 +56,11 @@ impl Image {
 
 /// From an sRGB byte to linear light, 0 to 1 (IEC 61966-2-1).
 pub fn to_linear(byte: u8) -> f64 {
-    let x = f64::from(byte) / 255.0;
+    decode(f64::from(byte) / 255.0)
+}
+
+/// From an sRGB value, 0 to 1, to linear light.
+pub fn decode(x: f64) -> f64 {
     if x <= 0.04045 {
         x / 12.92
     } else {

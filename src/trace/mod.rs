@@ -8,6 +8,7 @@ pub mod beam;
 mod brute;
 pub mod camera;
 pub mod cast;
+pub mod dress;
 pub mod effects;
 pub mod image;
 pub mod light;

@@ -148,6 +148,7 @@ impl Job<'_> {
                 tracer: self.tracer,
                 finishes: self.finishes,
                 limits,
+                textures: self.options.effects.has(Effect::Textures),
             }
         };
         self.progress.begin(width as usize * height as usize);

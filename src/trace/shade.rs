@@ -40,6 +40,7 @@ use glam::{DVec2, DVec3};
 pub use medium::{Media, refract};
 pub use surface::{Finish, finishes, phong};
 
+use super::dress::Look;
 use super::light::{arrival, is_area, middle};
 use super::ray::Ray;
 use super::sampling::{Source, branch};
@@ -165,6 +166,8 @@ pub struct Shader<
     pub finishes: &'a [Finish],
     /// How far to go.
     pub limits: Limits,
+    /// Whether a Doom map's surfaces show their textures.
+    pub textures: bool,
 }
 
 /// A point of a surface, turned towards the one who looks.
@@ -214,6 +217,15 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         let Some(material) = hit.material else {
             return DVec3::ZERO;
         };
+        let look = world.look(&hit);
+        if look == Look::Hole {
+            let ray = Ray {
+                origin: hit.point,
+                ..*ray
+            };
+            let from = self.tracer.depart(&hit, ray.direction);
+            return self.see(&ray, &from, path, work);
+        }
         let finish = &self.finishes[material.0 as usize];
         let view = -ray.direction.normalize();
         let turned = hit.normal.dot(view) < 0.0;
@@ -223,13 +235,16 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             view,
             outer: hit.normal * sign,
             normal: hit.shading * sign,
-            colour: finish.colour(world, &hit),
+            colour: match look {
+                Look::Texel(colour) if self.textures => colour,
+                _ => finish.colour(world, &hit),
+            },
         };
         let solid = matches!(hit.what, What::Object(n) if world.standing[n as usize].solid);
         let within = SECONDARY && turned && solid && finish.kt > 0.0;
         let mut light = finish.emission;
         if !within {
-            light += spot.colour * world.ambient[hit.cell.0 as usize];
+            light += spot.colour * world.ambient_at(&hit);
             light += self.direct(&spot, finish, path, work);
         }
         if SECONDARY && path.depth < self.limits.depth {
@@ -342,6 +357,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             }
             share *= match (met.what, met.material) {
                 (What::Object(_), Some(m)) if self.finishes[m.0 as usize].glows() => DVec3::ONE,
+                _ if world.look(&met) == Look::Hole => DVec3::ONE,
                 (What::Object(_) | What::Surface(Surface::Pane(_)), Some(m)) => {
                     self.pass(m.0, &met)
                 }

@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 
 use rustc_hash::FxHashMap;
 
+use super::dress::side_at;
 use crate::cells::{CellGraph, CellId, Doors, EdgeId};
 use crate::geom::Line;
 use crate::level::scene::MaterialId;
@@ -57,12 +58,22 @@ pub struct Border {
     /// Upper end of the opening in z; above it hangs the face of a lintel. Not above `bottom` where
     /// the opening is shut.
     pub top: f64,
-    /// What fills the opening: the glass of a window.
-    pub pane: Option<MaterialId>,
+    /// What fills the opening, as seen from the edge's cell.
+    pub pane: Option<Pane>,
     /// Whether the opening looks out of the level: there is no twin, and light comes in.
     pub outside: bool,
     /// The line that it lies on: edges whose walls lie on one line have the same number.
     pub line: u32,
+}
+
+/// What fills an opening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pane {
+    /// The glass of a window.
+    Glass(MaterialId),
+    /// A picture with holes; which it is and where its holes are the level's dress says. Only in a
+    /// space made [with gratings](Space::with_gratings).
+    Grating,
 }
 
 /// Stands for the twin of an edge with nothing beyond.
@@ -146,6 +157,19 @@ impl Space {
         }
     }
 
+    /// As [`Space::new`], with the gratings of a Doom map: an opening whose line has a middle texture
+    /// on the side of the edge's cell gets a [`Pane::Grating`], over the whole opening.
+    pub fn with_gratings(level: &Level, graph: &CellGraph) -> Self {
+        let mut space = Self::new(level, graph);
+        for (i, border) in (0..).zip(&mut space.edges) {
+            let middle = side_at(level, graph, EdgeId(i)).and_then(|(_, side)| side.middle);
+            if border.twin != WALL && border.pane.is_none() && middle.is_some() {
+                border.pane = Some(Pane::Grating);
+            }
+        }
+        space
+    }
+
     /// The cell's prism.
     #[inline]
     pub fn cell(&self, id: u32) -> &Chamber {
@@ -208,9 +232,7 @@ impl Space {
             | Surface::Step(e)
             | Surface::Lintel(e)
             | Surface::Pane(e)
-            | Surface::Outside(e) => {
-                Plane::Upright(self.edge(e.0).line)
-            }
+            | Surface::Outside(e) => Plane::Upright(self.edge(e.0).line),
         }
     }
 
@@ -272,10 +294,12 @@ fn outside<'a>(level: &'a Level, graph: &CellGraph, edge: EdgeId) -> Option<&'a 
 }
 
 /// The glass in a window, if its opening names a material.
-fn pane(level: &Level, graph: &CellGraph, edge: EdgeId) -> Option<MaterialId> {
+fn pane(level: &Level, graph: &CellGraph, edge: EdgeId) -> Option<Pane> {
     let wall = &level.walls[graph.edge(edge).wall()?.0 as usize];
     match &wall.kind {
-        WallKind::Opening(opening) if opening.style == OpeningStyle::Window => wall.material,
+        WallKind::Opening(opening) if opening.style == OpeningStyle::Window => {
+            wall.material.map(Pane::Glass)
+        }
         _ => None,
     }
 }

@@ -21,6 +21,7 @@ mod methods;
 mod pictures;
 mod programme;
 mod property;
+mod props;
 mod readers;
 mod readme;
 mod regression;

@@ -1,4 +1,4 @@
-//! The files that a level names: meshes and pictures, from the level's folder.
+//! What a level names: meshes and pictures, from the level's folder, and textures, from its WAD.
 
 use std::fs;
 use std::path::Path;
@@ -6,19 +6,27 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use crate::level::Level;
+use crate::level::doom::graphics;
+use crate::level::read::Source;
 use crate::level::scene::Shape;
 use crate::trace::image::Image;
 use crate::trace::shapes::mesh::obj;
 use crate::trace::world::Files;
 
 /// Reads them.
-pub fn read(level_file: &Path, level: &Level) -> Result<Files> {
+pub fn read(level_file: &Path, source: &Source, level: &Level) -> Result<Files> {
     let folder = level_file.parent().unwrap_or(Path::new("."));
     let bytes = |file: &str, of: &str| {
         let path = folder.join(file);
         fs::read(&path).with_context(|| format!("cannot read {} of {of}", path.display()))
     };
-    let mut files = Files::default();
+    let mut files = Files {
+        dress: match source.wad() {
+            Some(wad) => graphics::pictures(wad, &level.scene.dress),
+            None => Vec::new(),
+        },
+        ..Files::default()
+    };
     for object in &level.scene.objects {
         if let Shape::Mesh { file } = &object.shape
             && !files.meshes.contains_key(file)

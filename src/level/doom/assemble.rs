@@ -5,13 +5,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec2;
 
-use super::DoomMap;
 use super::defect::{Defect, Tally};
 use super::error::Problem;
-use super::movers;
 use super::raw::{RawLine, RawMap, Specials};
 use super::reach::Range;
 use super::surfaces::LineSurfaces;
+use super::{DoomMap, dressing, movers, things};
 use crate::level::draft::{Draft, DraftInterior, DraftWall, Numbers};
 use crate::level::scene::Scene;
 use crate::level::{Place, Sector, SectorId, WallKind};
@@ -63,6 +62,12 @@ pub fn assemble(
     check_sectors(&walls, raw.sectors.len(), &mut tally);
 
     let surfaces = raw.lines.iter().map(|l| surfaces(&raw, l)).collect();
+    let scene = Scene {
+        lights: things::lights(&raw),
+        cameras: things::cameras(&raw),
+        dress: dressing::dress(&raw, &name),
+        ..Scene::default()
+    };
     let draft = Draft {
         name,
         source: source.to_string(),
@@ -72,7 +77,7 @@ pub fn assemble(
         sectors: sectors(&raw, &ranges),
         outlines: Vec::new(),
         interior: DraftInterior::Sides,
-        scene: Scene::default(),
+        scene,
         findings: tally.into_findings(),
     };
     Ok(DoomMap {

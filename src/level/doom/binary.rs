@@ -54,6 +54,8 @@ pub fn read(wad: &Wad, map: &WadMap) -> Result<RawMap, Problem> {
             Specials::Doom
         },
         scripts: behavior.is_some_and(has_scripts),
+        // Hexen's own maps cannot be told from Doom's in its layout.
+        foreign_things: false,
     })
 }
 
@@ -156,6 +158,7 @@ fn side(r: &Record<'_>) -> RawSide {
             lower: r.texture(12),
             middle: r.texture(20),
             offset: r.point(0),
+            ..SideSurface::default()
         },
     }
 }

@@ -7,10 +7,11 @@
 
 use std::collections::HashMap;
 
+use crate::level::dress::{Dress, PictureName};
 use crate::level::wad::Wad;
 
 /// A picture: rows from the top, red, green, blue and opacity (0 or 255), sRGB.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Picture {
     /// Pixels across.
     pub width: u32,
@@ -28,6 +29,14 @@ impl Picture {
             pixels: vec![[0; 4]; width as usize * height as usize],
         }
     }
+}
+
+/// The pictures that a dress names, in its order; `None` for one that the WAD does not have, and for
+/// all of them if it has no palette.
+pub fn pictures(wad: &Wad, dress: &Dress) -> Vec<Option<Picture>> {
+    let graphics = Graphics::new(wad);
+    let picture = |name| graphics.as_ref()?.picture(name);
+    dress.pictures.iter().map(picture).collect()
 }
 
 /// What a WAD has to say about pictures.
@@ -78,6 +87,15 @@ impl<'a> Graphics<'a> {
             textures,
             flats: flats(wad),
         })
+    }
+
+    /// The picture of this name. Later games let flats hang on walls and textures lie on floors, so
+    /// what is not there as the one is looked for as the other.
+    pub fn picture(&self, name: &PictureName) -> Option<Picture> {
+        match name {
+            PictureName::Texture(name) => self.texture(name).or_else(|| self.flat(name)),
+            PictureName::Flat(name) => self.flat(name).or_else(|| self.texture(name)),
+        }
     }
 
     /// The wall texture of this name (in capitals).

@@ -7,6 +7,8 @@
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
 //!   move (`stairs` those of stairs), `reach` how far these go.
 //! - [`graphics`] puts textures together.
+//! - `dressing` tells what hangs on the walls and lies on floors and ceilings; `things` makes lights
+//!   of lamps and cameras of starts.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
 //!
 //! # What blocks sight
@@ -23,6 +25,7 @@
 mod assemble;
 mod binary;
 mod defect;
+mod dressing;
 mod error;
 pub mod graphics;
 mod movers;
@@ -32,6 +35,7 @@ mod specials;
 mod stairs;
 mod surfaces;
 mod text;
+mod things;
 mod udmf;
 
 #[cfg(test)]
@@ -44,7 +48,7 @@ use super::wad::Wad;
 
 pub use error::{DoomError, Problem};
 pub use raw::Thing;
-pub use surfaces::{LineSurfaces, SideSurface};
+pub use surfaces::{LineSurfaces, Shift, SideSurface};
 pub use text::{Spot, TextError, TextProblem};
 
 /// A map, with what a draft has no place for.

@@ -20,6 +20,8 @@ pub struct RawMap {
     pub specials: Specials,
     /// Whether scripts come with the map, which may move any tagged sector.
     pub scripts: bool,
+    /// Whether the numbers of things are another game's than Doom's.
+    pub foreign_things: bool,
 }
 
 /// Meaning of the numbers of line, sector and thing specials.

@@ -27,4 +27,28 @@ pub struct SideSurface {
     pub middle: Option<String>,
     /// Offset of the textures in texels: to the left, up.
     pub offset: DVec2,
+    /// What text maps may say of the upper texture alone.
+    pub upper_shift: Shift,
+    /// Of the middle one.
+    pub middle_shift: Shift,
+    /// Of the lower one.
+    pub lower_shift: Shift,
+}
+
+/// How one texture hangs, beyond what is said for its whole side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Added to the side's offset.
+    pub offset: DVec2,
+    /// Texels to a unit: at 2 the texture is half as large. Positive.
+    pub scale: DVec2,
+}
+
+impl Default for Shift {
+    fn default() -> Self {
+        Self {
+            offset: DVec2::ZERO,
+            scale: DVec2::ONE,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Maps built by hand, and all maps of Freedoom where that is installed.
 
-mod build;
+pub(super) mod build;
 mod defects;
 mod freedoom;
 mod never_panics;

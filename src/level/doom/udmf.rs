@@ -2,7 +2,8 @@
 //!
 //! In: a map's `TEXTMAP` lump. Out: the same lists as from a binary map, coordinates with their
 //! fractions. Fields and blocks that are not known are passed over, as the specification demands;
-//! of ZDoom's own, those that move or slope floors are known (`moreids`, planes, vertex heights).
+//! of ZDoom's own, those that move or slope floors are known (`moreids`, planes, vertex heights), and
+//! those that shift one texture of a side.
 
 use std::collections::HashSet;
 
@@ -12,7 +13,7 @@ use super::binary::{has_scripts, texture_name};
 use super::defect::{Defect, Tally};
 use super::error::Problem;
 use super::raw::{RawLine, RawMap, RawSector, RawSide, Specials, Thing};
-use super::surfaces::SideSurface;
+use super::surfaces::{Shift, SideSurface};
 use super::text::{self, Block, Document, Field, Spot, TextError, TextProblem, Value};
 use crate::level::Place;
 use crate::level::wad::{Wad, WadMap};
@@ -31,6 +32,7 @@ pub fn read(wad: &Wad, map: &WadMap, tally: &mut Tally) -> Result<RawMap, Proble
     let specials = namespace(&document, tally)?;
     let mut raw = RawMap {
         specials,
+        foreign_things: !has_doom_things(&document),
         scripts: wad.lump_in_map(map, "BEHAVIOR").is_some_and(has_scripts),
         ..RawMap::default()
     };
@@ -88,6 +90,16 @@ fn namespace(document: &Document, tally: &mut Tally) -> Result<Specials, TextErr
     }
 }
 
+/// Whether the numbers of things are Doom's; ZDoom's namespaces are used for other games too, but
+/// mostly for Doom.
+fn has_doom_things(document: &Document) -> bool {
+    let others = ["heretic", "hexen", "strife"];
+    !find(&document.fields, "namespace").is_some_and(|field| match &field.value {
+        Value::Text(name) => others.contains(&name.to_ascii_lowercase().as_str()),
+        _ => false,
+    })
+}
+
 fn line(block: &Block, specials: Specials) -> Result<RawLine, TextError> {
     let index = |key| Ok(u32::try_from(block.required(key)?).unwrap_or(DANGLING));
     let side = |n: i64| (n != -1).then(|| u32::try_from(n).unwrap_or(DANGLING));
@@ -125,7 +137,24 @@ fn side(block: &Block) -> Result<RawSide, TextError> {
             lower: texture("texturebottom")?,
             middle: texture("texturemiddle")?,
             offset: DVec2::new(block.number("offsetx", 0.0)?, block.number("offsety", 0.0)?),
+            upper_shift: shift(block, "top")?,
+            middle_shift: shift(block, "mid")?,
+            lower_shift: shift(block, "bottom")?,
         },
+    })
+}
+
+/// ZDoom's fields for one of a side's textures. A scale that is not positive counts as 1.
+fn shift(block: &Block, part: &str) -> Result<Shift, TextError> {
+    let pair = |what: &str, default| {
+        let number = |axis| block.number(&format!("{what}{axis}_{part}"), default);
+        Ok(DVec2::new(number('x')?, number('y')?))
+    };
+    let scale: DVec2 = pair("scale", 1.0)?;
+    let usable = scale.is_finite() && scale.cmpgt(DVec2::ZERO).all();
+    Ok(Shift {
+        offset: pair("offset", 0.0)?,
+        scale: if usable { scale } else { DVec2::ONE },
     })
 }
 
@@ -231,7 +260,7 @@ impl Block {
         }
     }
 
-    fn number(&self, key: &'static str, default: f64) -> Result<f64, TextError> {
+    fn number(&self, key: &str, default: f64) -> Result<f64, TextError> {
         find(&self.fields, key).map_or(Ok(default), Field::number)
     }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use toml::Spanned;
 
+use super::super::dress::Dress;
 use super::super::scene::{
     Budget, Camera, CameraPath, Light, LightShape, Material, MaterialId, Object, PathLook, Scene,
     Shape, Texture,
@@ -43,6 +44,7 @@ pub(super) fn read_scene(
             max_visible_walls: file.budget.max_visible_walls,
             max_density: file.budget.max_density.map(|d| d.0),
         },
+        dress: Dress::default(),
     })
 }
 

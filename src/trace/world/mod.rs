@@ -25,13 +25,15 @@ pub use furniture::Standing;
 pub use meet::{Departure, Hit, Tracer, What};
 
 use super::accel::{Bounds, Primitives, Structure};
+use super::dress::{Look, Wardrobe, Wear};
 use super::image::Image;
 use super::shapes::Objects;
 use super::shapes::mesh::{MeshError, Points};
 use super::shapes::polygon::PolygonError;
-use super::space::{Space, Surface};
+use super::space::{Pane, Space, Surface};
 use crate::cells::{CellGraph, CellId, Locator};
 use crate::level::Level;
+use crate::level::doom::graphics;
 use crate::level::scene::{Light, Material};
 use crate::pvs::Pvs;
 
@@ -42,6 +44,8 @@ pub struct Files {
     pub meshes: FxHashMap<String, Points>,
     /// Pictures of the materials.
     pub pictures: FxHashMap<String, Image>,
+    /// The pictures that the level's dress names, in its order; empty if it has none.
+    pub dress: Vec<Option<graphics::Picture>>,
 }
 
 /// Index into [`World::materials`].
@@ -60,6 +64,8 @@ pub struct World {
     /// By material: its picture in `pictures`.
     pub picture_of: Vec<Option<u32>>,
     paint: paint::Paint,
+    /// What surfaces wear instead, in a Doom map.
+    pub wardrobe: Option<Wardrobe>,
     /// The objects' shapes, numbered as `standing`.
     pub objects: Objects,
     /// What else there is to say of the objects, in the level's order.
@@ -199,7 +205,7 @@ impl World {
         files: &Files,
         ambient: f64,
     ) -> Result<Self, WorldError> {
-        let space = Space::new(level, graph);
+        let space = Space::with_gratings(level, graph);
         let heights = |c: &super::space::Chamber| c.floor.is_finite() && c.ceiling.is_finite();
         if !space.cells.iter().all(heights) {
             return Err(WorldError::Flat);
@@ -215,6 +221,7 @@ impl World {
         let reach = furniture::reach(&space, &objects);
         let chambers = furniture::furnish(&space, &objects, &standing, reach);
         let all = Structure::within(furniture::kind(objects.len()), &objects, reach);
+        let wardrobe = Wardrobe::new(level, graph, &space, files.dress.clone());
         let lamps = lamps::lamps(level, graph, &space, pvs);
         let see_through = |s: &Standing| {
             let m = &materials[s.material.0 as usize];
@@ -230,6 +237,7 @@ impl World {
             pictures,
             picture_of,
             paint,
+            wardrobe,
             objects,
             standing,
             all,
@@ -256,13 +264,19 @@ impl World {
                 Some(self.paint.walls[e.0 as usize])
             }
             Surface::Pane(e) | Surface::Outside(e) => {
-                self.space.edge(e.0).pane.map(|m| MaterialIndex(m.0))
+                match self.space.edge(e.0).pane? {
+                    Pane::Glass(m) => Some(MaterialIndex(m.0)),
+                    Pane::Grating => Some(self.paint.walls[e.0 as usize]),
+                }
             }
         }
     }
 
     /// Whether what looks like a surface is the sky.
     pub fn is_sky(&self, surface: Surface) -> bool {
+        if let Some(wardrobe) = &self.wardrobe {
+            return *wardrobe.wear(surface) == Wear::Sky;
+        }
         let sky = |c: CellId| self.space.cell(c.0).sky;
         match surface {
             Surface::Outside(_) => true,
@@ -278,7 +292,26 @@ impl World {
 
     /// The sky's colour in a direction.
     pub fn sky(&self, direction: DVec3) -> DVec3 {
-        lamps::sky(direction)
+        let own = self.wardrobe.as_ref().and_then(|w| w.sky(direction));
+        own.unwrap_or_else(|| lamps::sky(direction))
+    }
+
+    /// What a Doom map shows in a point of a surface.
+    #[inline]
+    pub fn look(&self, hit: &Hit) -> Look {
+        match (&self.wardrobe, hit.what) {
+            (Some(wardrobe), What::Surface(surface)) => wardrobe.look(surface, hit.point),
+            _ => Look::Bare,
+        }
+    }
+
+    /// The ambient term Ia at a hit.
+    #[inline]
+    pub fn ambient_at(&self, hit: &Hit) -> f64 {
+        match (&self.wardrobe, hit.what) {
+            (Some(wardrobe), What::Surface(surface)) => wardrobe.light(surface),
+            _ => self.ambient[hit.cell.0 as usize],
+        }
     }
 
     /// Middle (of mass) and area of a cell on the plan.
