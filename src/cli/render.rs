@@ -14,6 +14,7 @@ use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Locator, subdivide};
 use crate::pvs::{Progress, sweep};
+use crate::trace::Tracer;
 use crate::trace::accel::Kind;
 use crate::trace::camera::Camera;
 use crate::trace::effects::{Effect, Effects, Survey, survey};
@@ -21,7 +22,6 @@ use crate::trace::picture::Exposure;
 use crate::trace::render::{Adaptive, RenderOptions, Rendered, render};
 use crate::trace::shade::Limits;
 use crate::trace::world::{World, locate};
-use crate::trace::Tracer;
 
 mod files;
 mod viewpoint;
@@ -42,7 +42,11 @@ pub struct RenderArgs {
     camera: Option<String>,
     /// From this point (in the level's unit)
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
-    #[arg(allow_hyphen_values = true, conflicts_with = "camera", requires = "look")]
+    #[arg(
+        allow_hyphen_values = true,
+        conflicts_with = "camera",
+        requires = "look"
+    )]
     eye: Option<DVec3>,
     /// The point that is to be in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = viewpoint::point)]
@@ -138,7 +142,10 @@ fn effects(text: &str) -> Result<Asked, String> {
 fn structure(text: &str) -> Result<Found, String> {
     match text {
         "portal" => Ok(Found::Portal),
-        name => name.parse().map(Found::By).map_err(|e: String| format!("{e}, and portal")),
+        name => name
+            .parse()
+            .map(Found::By)
+            .map_err(|e: String| format!("{e}, and portal")),
     }
 }
 
@@ -198,7 +205,9 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
             pool.install(|| sweep::sweep(&graph, &counter))
         })
     });
-    let read = timed(&mut reading, || files::read(&args.level.level, &source, &level))?;
+    let read = timed(&mut reading, || {
+        files::read(&args.level.level, &source, &level)
+    })?;
     seconds.read += reading;
     let world = World::new(&level, &graph, &pvs, &read, args.ambient)
         .with_context(|| level.source.clone())?;
@@ -222,7 +231,9 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
     timed(&mut seconds.write, || write(args, &rendered))?;
     if !args.quiet {
         let seen = pvs.seen_from(start).count();
-        let text = summary(args, &view, &graph, seen, &survey, &options, &rendered, &seconds);
+        let text = summary(
+            args, &view, &graph, seen, &survey, &options, &rendered, &seconds,
+        );
         if output::is_stdout(&args.output) {
             complain(text.trim_end());
         } else {

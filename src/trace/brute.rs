@@ -27,9 +27,7 @@ pub fn nearest(
             | Surface::Step(e)
             | Surface::Lintel(e)
             | Surface::Pane(e)
-            | Surface::Outside(e) => {
-                upright(space, &course, surface, e)
-            }
+            | Surface::Outside(e) => upright(space, &course, surface, e),
         };
         met.filter(|met| met.t <= limit)
     });

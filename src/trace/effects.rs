@@ -239,8 +239,14 @@ fn of_lights(world: &World, lights: &[u32], effect: Effect) -> Result<String, St
     let soft = effect == Effect::Soft;
     let fits = |l: &&u32| !soft || is_area(&world.lights[**l as usize]);
     let fitting: Vec<&u32> = lights.iter().filter(fits).collect();
-    let all = (world.lights.iter()).filter(|l| !soft || is_area(l)).count();
-    let what = if soft { "lights with an extent" } else { "lights" };
+    let all = (world.lights.iter())
+        .filter(|l| !soft || is_area(l))
+        .count();
+    let what = if soft {
+        "lights with an extent"
+    } else {
+        "lights"
+    };
     let Some(&&first) = fitting.first() else {
         return Err(match all {
             0 => format!("there are no {what}"),
@@ -258,7 +264,11 @@ fn of_lights(world: &World, lights: &[u32], effect: Effect) -> Result<String, St
     };
     Ok(format!(
         "{name}{others} {} cells that can be seen{hidden}",
-        if fitting.len() == 1 { "reaches" } else { "reach" }
+        if fitting.len() == 1 {
+            "reaches"
+        } else {
+            "reach"
+        }
     ))
 }
 
@@ -283,7 +293,10 @@ fn of_materials(
     if let Some(found) = found {
         let way = match by[found.cell.0 as usize] {
             Some(source) if source != found.cell => {
-                format!("seen by way of what reflects or bends light in cell {}", source.0)
+                format!(
+                    "seen by way of what reflects or bends light in cell {}",
+                    source.0
+                )
             }
             _ => "visible from the camera's cell".to_string(),
         };

@@ -92,7 +92,9 @@ mod tests {
         let lamp = tone(DVec3::new(40.0, 20.0, 10.0));
         assert!(lamp.x > 0.99 && lamp.x <= 1.0);
         assert!((lamp.x / lamp.y - 2.0).abs() < 1e-12);
-        let steps: Vec<f64> = (0..30).map(|i| tone(DVec3::splat(f64::from(i) * 0.1)).x).collect();
+        let steps: Vec<f64> = (0..30)
+            .map(|i| tone(DVec3::splat(f64::from(i) * 0.1)).x)
+            .collect();
         assert!(steps.windows(2).all(|w| w[0] < w[1]));
     }
 
@@ -106,6 +108,9 @@ mod tests {
         assert!((picture(&[0.4; 10]).usual_exposure() - 0.5).abs() < 1e-12);
         assert_eq!(picture(&[0.0; 3]).usual_exposure(), 1.0);
         assert_eq!(picture(&[0.25]).factor(Exposure::Stops(2.0)), 4.0);
-        assert_eq!(picture(&[0.05]).srgb(Exposure::Stops(3.321928094887362)), [188; 3]);
+        assert_eq!(
+            picture(&[0.05]).srgb(Exposure::Stops(3.321928094887362)),
+            [188; 3]
+        );
     }
 }

@@ -99,7 +99,12 @@ pub fn render(
         finishes: &finishes(tracer.world, options.effects),
     };
     let has = |effect| options.effects.has(effect);
-    let secondary = [Effect::Mirror, Effect::Glossy, Effect::Refraction, Effect::Translucency];
+    let secondary = [
+        Effect::Mirror,
+        Effect::Glossy,
+        Effect::Refraction,
+        Effect::Translucency,
+    ];
     let shadows = (has(Effect::Shadows), has(Effect::Soft));
     let follows = (
         secondary.into_iter().any(has),
@@ -205,26 +210,32 @@ impl Job<'_> {
         let mut colours = vec![DVec3::ZERO; area.len()];
         let from = Departure::within(self.start);
         let crowded = !world.standing.is_empty();
-        beam::cast(&world.space, self.camera, self.start, area, |part, met, depths| {
-            let mut depths = depths.iter();
-            for [x, y] in pixels(part) {
-                let met = met.and_then(|(surface, cell)| {
-                    let &t = depths.next()?;
-                    Some(Met { t, surface, cell })
-                });
-                let ray = self.camera.ray(middle(x, y));
-                let met = met.filter(|m| m.t.is_finite());
-                let meeting = if crowded || met.is_none() {
-                    self.tracer.before(&ray, &from, met)
-                } else {
-                    met.map(Meeting::Surface)
-                };
-                work.rays.primary += 1;
-                let path = Path::new(self.key(x, y, 0));
-                let at = (y - area.y.0) * across + (x - area.x.0);
-                colours[at as usize] = shader.colour_of(&ray, meeting.as_ref(), &path, work);
-            }
-        });
+        beam::cast(
+            &world.space,
+            self.camera,
+            self.start,
+            area,
+            |part, met, depths| {
+                let mut depths = depths.iter();
+                for [x, y] in pixels(part) {
+                    let met = met.and_then(|(surface, cell)| {
+                        let &t = depths.next()?;
+                        Some(Met { t, surface, cell })
+                    });
+                    let ray = self.camera.ray(middle(x, y));
+                    let met = met.filter(|m| m.t.is_finite());
+                    let meeting = if crowded || met.is_none() {
+                        self.tracer.before(&ray, &from, met)
+                    } else {
+                        met.map(Meeting::Surface)
+                    };
+                    work.rays.primary += 1;
+                    let path = Path::new(self.key(x, y, 0));
+                    let at = (y - area.y.0) * across + (x - area.x.0);
+                    colours[at as usize] = shader.colour_of(&ray, meeting.as_ref(), &path, work);
+                }
+            },
+        );
         colours
     }
 

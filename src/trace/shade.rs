@@ -433,9 +433,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         let tint = finish.pass(self.tracer.world, spot.hit);
         match direction {
-            Some(d) => {
-                tint * self.scattered(spot, finish, d, -1.0, &next, Kind::Refracted, work)
-            }
+            Some(d) => tint * self.scattered(spot, finish, d, -1.0, &next, Kind::Refracted, work),
             None => {
                 // Total internal reflection.
                 next.media = path.media;

@@ -19,6 +19,7 @@ mod hard;
 mod heights;
 mod methods;
 mod pictures;
+mod preview;
 mod programme;
 mod property;
 mod props;

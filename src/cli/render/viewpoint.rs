@@ -76,7 +76,10 @@ fn camera(level: &Level, name: Option<&str>) -> Result<Option<Viewpoint>> {
         })),
         (None, None) => Ok(None),
         (None, Some(_)) if cameras.is_empty() => {
-            bail!("{} has no cameras; give --eye and --look instead", level.name)
+            bail!(
+                "{} has no cameras; give --eye and --look instead",
+                level.name
+            )
         }
         (None, Some(name)) => {
             let names: Vec<&str> = cameras.iter().map(|c| c.name.as_str()).collect();
@@ -112,7 +115,11 @@ fn player(
     };
     let chamber = world.space.cell(cell.0);
     let height = chamber.ceiling - chamber.floor;
-    let above = if height > DOOM_EYE { DOOM_EYE } else { height / 2.0 };
+    let above = if height > DOOM_EYE {
+        DOOM_EYE
+    } else {
+        height / 2.0
+    };
     Ok(Some(Viewpoint {
         eye: at.extend(chamber.floor + above),
         direction: DVec2::from_angle(angle.to_radians()).extend(0.0),
@@ -150,7 +157,8 @@ fn largest_cell(level: &Level, graph: &CellGraph, world: &World) -> Result<Viewp
 
 /// `X,Y,Z`
 pub fn point(text: &str) -> Result<DVec3, String> {
-    let wrong = || "three numbers with commas between them are needed, such as 12.5,-3,1.6".to_string();
+    let wrong =
+        || "three numbers with commas between them are needed, such as 12.5,-3,1.6".to_string();
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
     match numbers.as_deref() {
@@ -162,7 +170,11 @@ pub fn point(text: &str) -> Result<DVec3, String> {
 /// `WxH`
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     const MOST: u32 = 32_768;
-    let wrong = || format!("width and height from 1 to {MOST} with an x between them are needed, such as 960x600");
+    let wrong = || {
+        format!(
+            "width and height from 1 to {MOST} with an x between them are needed, such as 960x600"
+        )
+    };
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse().ok().filter(|n| (1..=MOST).contains(n));
     match (number(width), number(height)) {

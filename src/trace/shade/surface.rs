@@ -8,12 +8,7 @@ use crate::trace::world::{Hit, What, World};
 
 /// Phong's model: kd·(N·L) + ks·(R·V)^n, for unit vectors N, L (to the light) and V (to the eye), L on
 /// the side of N. R is L mirrored about N.
-pub fn phong(
-    (kd, ks, shininess): (DVec3, DVec3, f64),
-    n: DVec3,
-    l: DVec3,
-    v: DVec3,
-) -> DVec3 {
+pub fn phong((kd, ks, shininess): (DVec3, DVec3, f64), n: DVec3, l: DVec3, v: DVec3) -> DVec3 {
     let cos = n.dot(l);
     let diffuse = kd * cos;
     if ks == DVec3::ZERO {
@@ -82,7 +77,11 @@ impl Finish {
             kd,
             ks,
             shininess: material.shininess,
-            km: if mirrors { hue(ks) * material.mirror } else { DVec3::ZERO },
+            km: if mirrors {
+                hue(ks) * material.mirror
+            } else {
+                DVec3::ZERO
+            },
             kt: if passes { material.transmit } else { 0.0 },
             clear: material.transmit,
             tint: hue(kd),

@@ -256,8 +256,8 @@ pub(super) fn furnish(
             objects,
             list: &list,
         };
-        let structure = (!list.is_empty())
-            .then(|| Structure::within(kind(list.len()), &some, reach));
+        let structure =
+            (!list.is_empty()).then(|| Structure::within(kind(list.len()), &some, reach));
         Furniture { list, structure }
     };
     lists.into_iter().map(furniture).collect()
@@ -344,7 +344,6 @@ impl Primitives for Listed<'_> {
         count: &mut C,
     ) -> Option<Contact> {
         let number = self.list[primitive as usize];
-        self.objects
-            .contact(number, cast, from, want, limit, count)
+        self.objects.contact(number, cast, from, want, limit, count)
     }
 }

@@ -9,9 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::{MaterialIndex, World};
 use crate::cells::CellId;
-use crate::trace::accel::{
-    Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want,
-};
+use crate::trace::accel::{Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want};
 use crate::trace::brute;
 use crate::trace::cast::{Met, Place, walk};
 use crate::trace::ray::{Ray, Start};
@@ -110,11 +108,7 @@ impl<'a> Tracer<'a> {
     pub fn brute(world: &'a World) -> Self {
         Self {
             world,
-            way: Way::Brute(Structure::within(
-                Kind::Brute,
-                &world.objects,
-                world.reach,
-            )),
+            way: Way::Brute(Structure::within(Kind::Brute, &world.objects, world.reach)),
         }
     }
 
@@ -288,9 +282,7 @@ impl<'a> Tracer<'a> {
                 // What lies beyond this cell may be behind its wall.
                 let before = until.min(limit);
                 let start = from.start.as_ref();
-                stopped |= furniture
-                    .any(&world.objects, cast, start, before)
-                    .is_some();
+                stopped |= furniture.any(&world.objects, cast, start, before).is_some();
             }
             if stopped { f64::NEG_INFINITY } else { limit }
         });

@@ -263,12 +263,10 @@ impl World {
             Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) => {
                 Some(self.paint.walls[e.0 as usize])
             }
-            Surface::Pane(e) | Surface::Outside(e) => {
-                match self.space.edge(e.0).pane? {
-                    Pane::Glass(m) => Some(MaterialIndex(m.0)),
-                    Pane::Grating => Some(self.paint.walls[e.0 as usize]),
-                }
-            }
+            Surface::Pane(e) | Surface::Outside(e) => match self.space.edge(e.0).pane? {
+                Pane::Glass(m) => Some(MaterialIndex(m.0)),
+                Pane::Grating => Some(self.paint.walls[e.0 as usize]),
+            },
         }
     }
 
