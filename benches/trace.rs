@@ -284,7 +284,11 @@ fn triangles(space: &Space) -> Points {
                     (cell.first..cell.past).map(|e| space.vertex(space.edge(e).from).extend(z));
                 polygon(corners.collect());
             }
-            Surface::Wall(e) | Surface::Step(e) | Surface::Lintel(e) | Surface::Pane(e) => {
+            Surface::Wall(e)
+            | Surface::Step(e)
+            | Surface::Lintel(e)
+            | Surface::Pane(e)
+            | Surface::Outside(e) => {
                 let edge = space.edge(e.0);
                 let cell = space.cell(edge.cell);
                 let (low, high) = match surface {

@@ -64,6 +64,7 @@ pub mod cells;
 pub mod cli;
 pub mod geom;
 pub mod level;
+pub mod preview;
 pub mod pvs;
 pub mod report;
 pub mod sight;

@@ -5,7 +5,7 @@
 //! Made in the level's own coordinates, such a choice would depend on how the level happens to be
 //! turned. Made in this frame, a level and its mirror image get mirrored cells.
 
-use crate::geom::{GridPoint, Vertex};
+use crate::geom::{GridPoint, Line, Vertex};
 
 /// A rotation or mirroring of the grid, followed by a shift that centres the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +70,29 @@ impl Frame {
         let v = v.shifted(-self.shift[0], -self.shift[1]);
         let v = v.mirrored(false, false, self.swap);
         v.mirrored(self.flip_x, self.flip_y, false)
+    }
+
+    /// A line from the frame back to level grid coordinates; and whether its left side in the frame is
+    /// its right side there.
+    pub fn leave_line(&self, line: &Line) -> (Line, bool) {
+        // Its value at a point of the frame, as a function of the level's coordinates.
+        let c = line.c + line.a * self.shift[0] + line.b * self.shift[1];
+        let [x, y] = if self.swap {
+            [line.b, line.a]
+        } else {
+            [line.a, line.b]
+        };
+        let a = if self.flip_x { -x } else { x };
+        let b = if self.flip_y { -y } else { y };
+        // Lines point right, or straight up.
+        let turned = b < 0 || b == 0 && a > 0;
+        let sign = if turned { -1 } else { 1 };
+        let line = Line {
+            a: sign * a,
+            b: sign * b,
+            c: sign * c,
+        };
+        (line, turned)
     }
 
     /// Whether left and right are exchanged in the frame.

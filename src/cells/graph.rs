@@ -9,6 +9,7 @@ pub use parts::PartsError;
 use super::arrangement::Arrangement;
 use super::interior::Label;
 use super::mesh::Mesh;
+use super::tree::Tree;
 use super::{Cost, Options};
 use crate::geom::{Grid, VertexId, Vertices};
 use crate::level::{Finding, Height, Level, SectorId, WallId, WallKind};
@@ -45,6 +46,8 @@ pub struct CellGraph {
     pub edges: Vec<Edge>,
     /// The portals, ordered by their first edge.
     pub portals: Vec<Portal>,
+    /// The tree by which the plan was split; triangulations and graphs read from a file have none.
+    pub tree: Option<Tree>,
     /// What the subdivision cost.
     pub cost: Cost,
     /// What the arrangement and the labelling found in the level.
@@ -201,6 +204,7 @@ pub(super) fn build(
         cells: Vec::new(),
         edges: Vec::new(),
         portals: Vec::new(),
+        tree: None,
         cost,
         findings,
     };

@@ -15,15 +15,17 @@ pub mod kd;
 pub mod locate;
 pub mod mesh;
 pub mod partition;
+pub mod tree;
 mod validate;
 
 pub use graph::{Cell, CellGraph, CellId, Edge, EdgeId, PartsError, Portal, PortalId};
 pub use locate::Locator;
+pub use tree::Tree;
 pub use validate::Flaw;
 
 use self::arrangement::Arrangement;
 use self::mesh::Mesh;
-use self::partition::Choose;
+use self::partition::{Choose, Partition};
 use crate::level::Level;
 
 /// How the plan is cut into cells.
@@ -107,27 +109,45 @@ pub fn subdivide(level: &Level, options: &Options) -> CellGraph {
     };
     let by_walls: &mut Choose = &mut |a, fragments| bsp::choose(a, fragments, &options.bsp);
     let by_axes: &mut Choose = &mut |a, fragments| kd::choose(a, fragments, &options.kd);
-    let mesh = match options.subdivision {
+    let (mesh, partition) = match options.subdivision {
         Subdivision::Bsp => split(&mut arrangement, by_walls, &mut cost),
         Subdivision::Kd => split(&mut arrangement, by_axes, &mut cost),
         Subdivision::Cdt => match cdt::triangulate(&arrangement) {
-            Some(mesh) => mesh,
+            Some(mesh) => (mesh, None),
             None => {
                 cost.fallback = true;
-                let mesh = split(&mut arrangement, by_walls, &mut cost);
-                cdt::triangulate_cells(&arrangement, &mesh)
+                let (mesh, _) = split(&mut arrangement, by_walls, &mut cost);
+                (cdt::triangulate_cells(&arrangement, &mesh), None)
             }
         },
     };
     let (labels, mut findings) = interior::label(level, &arrangement, &mesh);
     findings.splice(0..0, findings::of_meetings(level, &arrangement));
-    graph::build(level, options, &arrangement, &mesh, labels, cost, findings)
+    let tree = partition.map(|partition| {
+        let (mut cells, mut n) = (Vec::new(), 0);
+        for label in &labels {
+            cells.push(label.inside.then_some(CellId(n)));
+            n += u32::from(label.inside);
+        }
+        let line = |id| *arrangement.lines.get(id);
+        tree::Tree::of(&partition, line, &arrangement.frame, |leaf| {
+            cells[leaf as usize]
+        })
+    });
+    let mut graph = graph::build(level, options, &arrangement, &mesh, labels, cost, findings);
+    graph.tree = tree;
+    graph
 }
 
 /// Subdivides by the lines that `choose` names.
-fn split(arrangement: &mut Arrangement, choose: &mut Choose, cost: &mut Cost) -> Mesh {
+fn split(
+    arrangement: &mut Arrangement,
+    choose: &mut Choose,
+    cost: &mut Cost,
+) -> (Mesh, Option<Partition>) {
     let partition = partition::partition(arrangement, choose);
     cost.wall_splits = partition.splits;
     cost.depth = partition.depth;
-    mesh::join_leaves(arrangement, &partition)
+    let mesh = mesh::join_leaves(arrangement, &partition);
+    (mesh, Some(partition))
 }

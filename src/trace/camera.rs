@@ -55,6 +55,23 @@ impl Camera {
     }
 }
 
+impl Camera {
+    /// A point as the camera sees it: its depth in z, and in x and y, divided by the depth, the place
+    /// in the picture in pixels from the upper left corner.
+    #[inline]
+    pub fn seen(&self, point: DVec3) -> DVec3 {
+        let to = point - self.eye;
+        let depth = to.dot(self.towards);
+        let half = |axis: DVec3| to.dot(axis) / axis.length_squared();
+        let [width, height] = self.size.map(f64::from);
+        DVec3::new(
+            (depth + half(self.right)) * width / 2.0,
+            (depth - half(self.up)) * height / 2.0,
+            depth,
+        )
+    }
+}
+
 impl Bundle for Camera {
     #[inline]
     fn fan(&self) -> Fan {

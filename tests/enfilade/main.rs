@@ -22,6 +22,7 @@ mod heights;
 mod methods;
 mod pictures;
 mod pixels;
+mod preview;
 mod programme;
 mod property;
 mod props;

@@ -90,6 +90,7 @@ impl CellGraph {
             cells,
             edges,
             portals,
+            tree: None,
             cost,
             findings: Vec::new(),
         })

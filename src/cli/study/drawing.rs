@@ -33,7 +33,7 @@ struct ShotArgs {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Seconds for the whole study; what they are too short for is left out
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 90.0)]
     budget: f64,
     #[command(flatten)]
     view: ViewArgs,

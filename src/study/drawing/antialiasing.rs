@@ -26,7 +26,7 @@ const PASS: u32 = 64;
 const REFERENCE: (u32, f64) = (12, 1.0 / 65_536.0);
 /// The part of the budget that is over when the reference is taken as it is, and when everything
 /// has been drawn once.
-const REFERRED: f64 = 0.5;
+const REFERRED: f64 = 0.4;
 const ONCE: f64 = 0.85;
 
 /// The figures of `enfilade study antialiasing`.
@@ -116,7 +116,9 @@ pub fn study(shot: &Shot, wanted: u32, bench: &mut dyn Bench) -> AntialiasingStu
         .flat_map(|p| &p.takes)
         .map(|(_, label, options)| Take::new(label.clone(), *options))
         .collect();
-    draw_all(shot, &mut takes, bench, ONCE);
+    // One of each setting in turn, so that time that runs short leaves something of each.
+    let order = in_turn(plans.iter().map(|p| p.takes.len()));
+    draw_all(shot, &mut takes, &order, bench, ONCE);
     let truth = Screen::of(&truth, exposure);
     let mut pictures = vec![("reference".to_string(), truth.clone())];
     let mut drawn = takes.iter();
@@ -159,6 +161,19 @@ pub fn study(shot: &Shot, wanted: u32, bench: &mut dyn Bench) -> AntialiasingStu
         seconds: bench.now(),
         pictures,
     }
+}
+
+/// Numbers of things that lie in groups of these sizes, one after the other: the first of each
+/// group, the second of each, and so on.
+fn in_turn(sizes: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut places = Vec::new();
+    let mut first = 0;
+    for size in sizes {
+        places.extend((0..size).map(|i| (i, first + i)));
+        first += size;
+    }
+    places.sort_unstable();
+    places.into_iter().map(|(_, place)| place).collect()
 }
 
 /// The reference: the mean of passes until there are enough samples, or no time is left for more.

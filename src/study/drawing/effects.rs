@@ -74,7 +74,8 @@ pub fn study(shot: &Shot, bench: &mut dyn Bench) -> EffectsStudy {
         let label = format!("without {}", effect.as_str());
         takes.push(Take::new(label, with(shot, needed.without(effect))));
     }
-    draw_all(shot, &mut takes, bench, 0.9);
+    let order: Vec<usize> = (0..takes.len()).collect();
+    draw_all(shot, &mut takes, &order, bench, 0.9);
     let exposure = takes[0].drawn.as_ref().map(exposure_of).unwrap_or_default();
     let screens: Vec<Option<Screen>> = (takes.iter())
         .map(|t| t.drawn.as_ref().map(|d| Screen::of(&d.picture, exposure)))

@@ -143,18 +143,26 @@ impl Take {
     }
 }
 
-/// Draws all takes once, those for which there is no time left out; then again and again in turn,
+/// Draws all takes once, in this order, those for which there is no time left out; then again and again in turn,
 /// so that the machine's moods meet all of them. `until` is the time for the first round, as a part
 /// of the budget.
-fn draw_all(shot: &Shot, takes: &mut [Take], bench: &mut dyn Bench, until: f64) {
+fn draw_all(
+    shot: &Shot,
+    takes: &mut [Take],
+    order: &[usize],
+    bench: &mut dyn Bench,
+    until: f64,
+) {
     let budget = shot.about.budget;
-    for take in &mut *takes {
-        if take.drawn.is_none() && bench.now() < until * budget {
+    for &i in order {
+        let take = &mut takes[i];
+        if bench.now() < until * budget {
             take.draw(shot, bench);
         }
     }
     for _ in 1..ENOUGH {
-        for take in &mut *takes {
+        for &i in order {
+            let take = &mut takes[i];
             let next = take.times.first().copied();
             if next.is_some_and(|next| bench.now() + next < budget) {
                 take.draw(shot, bench);
