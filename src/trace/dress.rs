@@ -1,6 +1,6 @@
 //! What a ray sees on a surface of a Doom map: the texel of a picture, or the sky.
 //!
-//! In: a level with a [`Dress`](crate::level::dress::Dress), its cells and space, and the pictures.
+//! In: a level with a [`Dress`], its cells and space, and the pictures.
 //! Out: a [`Wardrobe`]: for every surface an affine map from points of the level to texels, made once.
 //! The rules are the game's (`r_segs.c`, `r_plane.c`, `r_sky.h`), for pictures of any size:
 //!
