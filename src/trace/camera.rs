@@ -53,20 +53,22 @@ impl Camera {
             direction: self.fan.direction(at),
         }
     }
-}
 
-impl Camera {
     /// A point as the camera sees it: its depth in z, and in x and y, divided by the depth, the place
     /// in the picture in pixels from the upper left corner.
     #[inline]
     pub fn seen(&self, point: DVec3) -> DVec3 {
         let to = point - self.eye;
-        let depth = to.dot(self.towards);
-        let half = |axis: DVec3| to.dot(axis) / axis.length_squared();
         let [width, height] = self.size.map(f64::from);
+        let (right, up) = (
+            self.fan.across * (width / 2.0),
+            self.fan.down * (height / -2.0),
+        );
+        let depth = to.dot(self.fan.corner + right - up);
+        let half = |axis: DVec3| to.dot(axis) / axis.length_squared();
         DVec3::new(
-            (depth + half(self.right)) * width / 2.0,
-            (depth - half(self.up)) * height / 2.0,
+            (depth + half(right)) * width / 2.0,
+            (depth - half(up)) * height / 2.0,
             depth,
         )
     }

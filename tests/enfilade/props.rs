@@ -297,7 +297,7 @@ fn stained(p: DVec2) -> Colour {
     shade(PANES[pick], 0.85 + 0.15 * clouds(p * 8.0, 8, 2, 161))
 }
 
-/// The colour at a place of a texture.
+/// Colours by place.
 type Paint = fn(DVec2) -> Colour;
 
 /// Name, size and colours of every texture.
@@ -313,7 +313,7 @@ const TEXTURES: [(&str, [u32; 2], Paint); 8] = [
 ];
 
 /// The picture, in steps of 3 of 255, so that it packs well.
-fn pixels(size: [u32; 2], colour: fn(DVec2) -> Colour) -> Vec<u8> {
+fn pixels(size: [u32; 2], colour: Paint) -> Vec<u8> {
     let [width, height] = size;
     let pixel = |i: u32| {
         let at = DVec2::new(f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);

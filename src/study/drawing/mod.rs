@@ -146,13 +146,7 @@ impl Take {
 /// Draws all takes once, in this order, those for which there is no time left out; then again and again in turn,
 /// so that the machine's moods meet all of them. `until` is the time for the first round, as a part
 /// of the budget.
-fn draw_all(
-    shot: &Shot,
-    takes: &mut [Take],
-    order: &[usize],
-    bench: &mut dyn Bench,
-    until: f64,
-) {
+fn draw_all(shot: &Shot, takes: &mut [Take], order: &[usize], bench: &mut dyn Bench, until: f64) {
     let budget = shot.about.budget;
     for &i in order {
         let take = &mut takes[i];
