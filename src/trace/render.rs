@@ -11,14 +11,15 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::beam::{self, Area, middle};
+use super::beam::{self, Area, Patch, middle};
 use super::camera::Camera;
 use super::cast::Met;
 use super::effects::{Effect, Effects};
 use super::picture::{Exposure, Picture, tone};
 use super::ray::Ray;
 use super::sampling::{Source, branch};
-use super::shade::{Finish, Limits, Path, Shader, Work, finishes};
+use super::shade::{Finish, Limits, Lit, Path, Shader, Work, finishes};
+use super::shadow;
 use super::world::meet::Meeting;
 use super::world::{Departure, Tracer};
 use crate::cells::CellId;
@@ -210,33 +211,85 @@ impl Job<'_> {
         let mut colours = vec![DVec3::ZERO; area.len()];
         let from = Departure::within(self.start);
         let crowded = !world.standing.is_empty();
-        beam::cast(
+        let mut lit = Vec::new();
+        beam::cast_patches(
             &world.space,
             self.camera,
             self.start,
             area,
-            |part, met, depths| {
-                let mut depths = depths.iter();
-                for [x, y] in pixels(part) {
-                    let met = met.and_then(|(surface, cell)| {
-                        let &t = depths.next()?;
-                        Some(Met { t, surface, cell })
-                    });
-                    let ray = self.camera.ray(middle(x, y));
-                    let met = met.filter(|m| m.t.is_finite());
-                    let meeting = if crowded || met.is_none() {
-                        self.tracer.before(&ray, &from, met)
-                    } else {
-                        met.map(Meeting::Surface)
-                    };
-                    work.rays.primary += 1;
-                    let path = Path::new(self.key(x, y, 0));
-                    let at = (y - area.y.0) * across + (x - area.x.0);
-                    colours[at as usize] = shader.colour_of(&ray, meeting.as_ref(), &path, work);
+            |patch, depths| {
+                if A {
+                    self.light_up(&patch, &mut lit);
                 }
+                let across_patch = patch.area.width();
+                patch.mask.rectangles(&patch.area, |part| {
+                    for [x, y] in pixels(part) {
+                        let i = ((y - patch.area.y.0) * across_patch + x - patch.area.x.0) as usize;
+                        let met = patch.met.map(|(surface, cell)| Met {
+                            t: depths[i],
+                            surface,
+                            cell,
+                        });
+                        let ray = self.camera.ray(middle(x, y));
+                        let met = met.filter(|m| m.t.is_finite());
+                        let meeting = if crowded || met.is_none() {
+                            self.tracer.before(&ray, &from, met)
+                        } else {
+                            met.map(Meeting::Surface)
+                        };
+                        work.rays.primary += 1;
+                        work.lit = lit.get(i).copied().unwrap_or_default();
+                        let path = Path::new(self.key(x, y, 0));
+                        let at = (y - area.y.0) * across + (x - area.x.0);
+                        colours[at as usize] =
+                            shader.colour_of(&ray, meeting.as_ref(), &path, work);
+                    }
+                });
             },
         );
+        work.lit = Lit::default();
         colours
+    }
+
+    /// Which lights reach the points of a patch, by pixel of its rectangle; nothing where each point
+    /// has to ask for itself: where objects may stand in the way, or the surface is clear.
+    fn light_up(&self, patch: &Patch, lit: &mut Vec<Lit>) {
+        lit.clear();
+        let world = self.tracer.world;
+        let Some((surface, cell)) = patch.met else {
+            return;
+        };
+        if !world.standing.is_empty() || !world.stops_light(surface) {
+            return;
+        }
+        lit.resize(patch.area.len(), Lit::default());
+        let across = patch.area.width();
+        for (i, &number) in world.lights_of(cell).iter().enumerate().take(64) {
+            let Some(lamp) = &world.lamps[number as usize] else {
+                continue;
+            };
+            shadow::patch(
+                &world.space,
+                self.camera,
+                patch,
+                lamp,
+                |area, mask, blocker| {
+                    let reach = match blocker {
+                        None => true,
+                        Some(surface) if world.stops_light(surface) => false,
+                        Some(_) => return,
+                    };
+                    mask.rectangles(&area, |part| {
+                        for [x, y] in pixels(part) {
+                            let at = (y - patch.area.y.0) * across + x - patch.area.x.0;
+                            let lit = &mut lit[at as usize];
+                            lit.known |= 1 << i;
+                            lit.reach |= u64::from(reach) << i;
+                        }
+                    });
+                },
+            );
+        }
     }
 
     /// The sum of the samples from number `first` to `past` of a pixel, of as many as `past` in all.

@@ -46,6 +46,7 @@ use super::dress::Look;
 use super::light::{arrival, is_area, middle, parts};
 use super::ray::Ray;
 use super::sampling::{Source, branch};
+use super::shadow;
 use super::space::Surface;
 use super::world::meet::{Meeting, Obstacle};
 use super::world::{Departure, Hit, Tracer, What};
@@ -92,6 +93,25 @@ pub struct Work {
     pub rays: Rays,
     /// Cells in which rays ended, one bit each.
     pub touched: Vec<u64>,
+    /// What is known of the lights that reach the next ray's first surface.
+    pub lit: Lit,
+}
+
+/// Which of a cell's lights reach a point, as far as that is known already: bit i stands for the
+/// i-th of [`World::lights_of`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lit {
+    /// Of which it is known.
+    pub known: u64,
+    /// Which of those reach it.
+    pub reach: u64,
+}
+
+impl Lit {
+    #[inline]
+    fn of(self, i: usize) -> Option<bool> {
+        (i < 64 && self.known >> i & 1 == 1).then_some(self.reach >> i & 1 == 1)
+    }
 }
 
 impl Work {
@@ -100,6 +120,7 @@ impl Work {
         Self {
             rays: Rays::default(),
             touched: vec![0; n_cells.div_ceil(64)],
+            lit: Lit::default(),
         }
     }
 
@@ -221,6 +242,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         };
         let look = world.look(&hit);
         if look == Look::Hole {
+            work.lit = Lit::default();
             let ray = Ray {
                 origin: hit.point,
                 ..*ray
@@ -260,7 +282,13 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
     fn direct(&self, spot: &Spot, finish: &Finish, path: &Path, work: &mut Work) -> DVec3 {
         let world = self.tracer.world;
         let mut sum = DVec3::ZERO;
-        for &number in world.lights_of(spot.hit.cell) {
+        // Of what is reflected nothing is known yet.
+        let lit = if path.depth == 0 {
+            work.lit
+        } else {
+            Lit::default()
+        };
+        for (i, &number) in world.lights_of(spot.hit.cell).iter().enumerate() {
             let light = &world.lights[number as usize];
             if SOFT && is_area(light) {
                 let n = if path.depth == 0 {
@@ -272,24 +300,26 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
                 let [columns, rows] = parts(light, n);
                 let mut all = DVec3::ZERO;
                 for sample in source.grid(columns, rows) {
-                    all += self.light_from(spot, finish, number, sample, work);
+                    all += self.light_from(spot, finish, number, (sample, None), work);
                 }
                 sum += all / f64::from(columns * rows);
             } else {
-                sum += self.light_from(spot, finish, number, middle(light), work);
+                let sample = (middle(light), lit.of(i));
+                sum += self.light_from(spot, finish, number, sample, work);
             }
         }
         sum
     }
 
-    /// Light from the part of a source that a sample picks.
+    /// Light from the part of a source that a sample picks; `seen` tells whether it is in sight, if
+    /// that is known.
     #[inline]
     fn light_from(
         &self,
         spot: &Spot,
         finish: &Finish,
         number: u32,
-        sample: DVec2,
+        (sample, seen): (DVec2, Option<bool>),
         work: &mut Work,
     ) -> DVec3 {
         let world = self.tracer.world;
@@ -299,6 +329,10 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         };
         let l = arrival.direction;
         if spot.normal.dot(l) <= 0.0 || spot.outer.dot(l) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        if SHADOWS && seen == Some(false) {
+            work.rays.shadow += 1;
             return DVec3::ZERO;
         }
         let reflected = phong(
@@ -312,23 +346,30 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         let mut light = arrival.intensity * reflected;
         if SHADOWS {
-            let outdoors = world.outdoors[number as usize];
-            light *= self.visible(spot.hit, l, arrival.distance, outdoors, work);
+            work.rays.shadow += 1;
+            if seen.is_none() {
+                light *= self.visible(spot.hit, number, l, arrival.distance);
+            }
         }
         light
     }
 
     /// How much light comes through from a source: vis(i) of the lecture.
-    fn visible(
-        &self,
-        hit: &Hit,
-        direction: DVec3,
-        distance: f64,
-        outdoors: bool,
-        work: &mut Work,
-    ) -> DVec3 {
-        work.rays.shadow += 1;
+    fn visible(&self, hit: &Hit, number: u32, direction: DVec3, distance: f64) -> DVec3 {
         let world = self.tracer.world;
+        let outdoors = world.outdoors[number as usize];
+        if let Some(lamp) = &world.lamps[number as usize]
+            && self.tracer.walks()
+            && world.standing.is_empty()
+        {
+            let place = self.tracer.depart(hit, direction).place;
+            match shadow::blocker(&world.space, hit.point, place, lamp) {
+                None => return DVec3::ONE,
+                Some(surface) if world.stops_light(surface) => return DVec3::ZERO,
+                // Glass, a grating, the sky: worth a closer look.
+                Some(_) => {}
+            }
+        }
         let mut left = distance * SHORT;
         let mut ray = Ray {
             origin: hit.point,

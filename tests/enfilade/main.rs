@@ -14,6 +14,7 @@ mod agree;
 mod bulk;
 mod cli;
 mod drawing;
+mod drawn_studies;
 mod explain;
 mod eye;
 mod generated;

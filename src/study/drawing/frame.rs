@@ -48,7 +48,7 @@ pub fn rays(rays: Option<&RayCounts>) -> Markup {
     let kinds: Vec<String> = kinds.map(|(n, k)| format!("{} {k}", grouped(n))).collect();
     html! {
         (grouped(rays.all()))
-        small { (kinds.join(", ")) }
+        small.kinds { (kinds.join(", ")) }
     }
 }
 

@@ -19,6 +19,7 @@ use crate::level::Level;
 use crate::level::scene::{Light, LightShape};
 use crate::pvs::Pvs;
 use crate::trace::accel::Bounds;
+use crate::trace::shadow::Lamp;
 use crate::trace::space::Space;
 
 /// Lights and where they reach.
@@ -79,6 +80,26 @@ pub(super) fn lamps(level: &Level, graph: &CellGraph, space: &Space, pvs: &Pvs) 
         lights_of,
         usual,
     }
+}
+
+/// Where a light is that shines from one point: in the prism of a cell, and on none of its borders.
+pub(super) fn lamp(space: &Space, light: &Light) -> Option<Lamp> {
+    let (LightShape::Point { position: at } | LightShape::Spot { position: at, .. }) = light.shape
+    else {
+        return None;
+    };
+    let plan = at.truncate();
+    let holds = |id: &CellId| {
+        let cell = space.cell(id.0);
+        let inside = |e: u32| {
+            let edge = space.edge(e);
+            let (a, b) = (space.vertex(edge.from), space.vertex(edge.to));
+            (b - a).perp_dot(plan - a) > 0.0
+        };
+        cell.floor < at.z && at.z < cell.ceiling && (cell.first..cell.past).all(inside)
+    };
+    let mut cells = standing_in(space, &light.shape).into_iter();
+    cells.find(holds).map(|cell| Lamp { at, cell })
 }
 
 /// Whether light from outside comes into a cell at once.

@@ -27,6 +27,7 @@ pub use meet::{Departure, Hit, Tracer, What};
 use super::accel::{Bounds, Primitives};
 use super::dress::{Look, Wardrobe, Wear};
 use super::image::Image;
+use super::shadow::Lamp;
 use super::shapes::Objects;
 use super::shapes::mesh::{MeshError, Points};
 use super::shapes::polygon::PolygonError;
@@ -81,6 +82,8 @@ pub struct World {
     normals: Vec<DVec3>,
     /// The lights: the level's, or if it has none the usual ones.
     pub lights: Vec<Light>,
+    /// Where each light is that shines from one point within a cell.
+    pub lamps: Vec<Option<Lamp>>,
     /// Whether a light shines from outside of the level, by light.
     pub outdoors: Vec<bool>,
     /// Lights that can reach each cell, ascending.
@@ -223,6 +226,11 @@ impl World {
         let all = furniture::Furniture::all(&objects, furniture::kind(objects.len()), reach);
         let wardrobe = Wardrobe::new(level, graph, &space, files.dress.clone());
         let lamps = lamps::lamps(level, graph, &space, pvs);
+        let places = lamps
+            .lights
+            .iter()
+            .map(|l| lamps::lamp(&space, l))
+            .collect();
         let see_through = |s: &Standing| {
             let m = &materials[s.material.0 as usize];
             m.transmit > 0.0 || m.emission != [0.0; 3]
@@ -243,6 +251,7 @@ impl World {
             all,
             chambers,
             reach,
+            lamps: places,
             lights: lamps.lights,
             outdoors: lamps.outdoors,
             lights_of: lamps.lights_of,
@@ -286,6 +295,11 @@ impl World {
             }
             _ => false,
         }
+    }
+
+    /// Whether a surface stops all light, whoever asks.
+    pub fn stops_light(&self, surface: Surface) -> bool {
+        !matches!(surface, Surface::Pane(_)) && !self.is_sky(surface)
     }
 
     /// The sky's colour in a direction.
