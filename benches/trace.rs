@@ -446,7 +446,9 @@ impl View {
             0 => {
                 rays = (SIZE[0] * SIZE[1]) as usize;
                 let mut depths = [0.0; (TILE * TILE) as usize];
-                let mut surfaces = [None; (TILE * TILE) as usize];
+                // Each pixel's surface, by its place in a list.
+                let mut surfaces = [0u32; (TILE * TILE) as usize];
+                let mut list = Vec::new();
                 for _ in 0..RUNS {
                     fast.push(seconds(|| {
                         for tile in tiles() {
@@ -458,10 +460,12 @@ impl View {
                                 |patch, t| {
                                     let Patch { area, mask, met } = patch;
                                     put_depths(&mut depths, &tile, &area, mask, t);
-                                    put(&mut surfaces, &tile, &area, mask, met);
+                                    put(&mut surfaces, &tile, &area, mask, list.len() as u32);
+                                    list.push(met);
                                 },
                             );
-                            black_box((&depths, &surfaces));
+                            black_box((&depths, &surfaces, &list));
+                            list.clear();
                         }
                     }));
                 }
