@@ -89,14 +89,17 @@ fn main() {
         }
         println!("  median  × obvhs");
         let row = |k: usize| -> Vec<f64> { table.iter().map(|column| column[k]).collect() };
+        if table.is_empty() {
+            continue;
+        }
         let outside = median(row(2));
         for (k, name) in contestants().into_iter().enumerate() {
             print!("{name:<22}");
             for rate in row(k) {
-                print!(" {rate:>7.2}");
+                print!(" {}", figure(rate));
             }
             let rate = median(row(k));
-            println!(" {rate:>7.2} {:>8.2}", rate / outside);
+            println!(" {} {:>8.2}", figure(rate), rate / outside);
         }
     }
 }
@@ -133,9 +136,18 @@ fn seconds(run: impl FnOnce()) -> f64 {
     now() - start
 }
 
+/// With as many decimals as say something.
+fn figure(rate: f64) -> String {
+    let decimals = [0, 1, 2, 3];
+    let digits = decimals[(2 - rate.log10().floor() as i32).clamp(0, 3) as usize];
+    format!("{rate:>7.digits$}")
+}
+
 fn median(mut list: Vec<f64>) -> f64 {
     list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied().unwrap_or(f64::NAN)
+    // The mean of the two in the middle, of an even number.
+    let n = list.len();
+    (list[(n - 1) / 2] + list[n / 2]) / 2.0
 }
 
 /// Million rays a second of every contestant, for each class; and how many primary rays of a million
@@ -438,7 +450,9 @@ impl View {
             0 => {
                 rays = (SIZE[0] * SIZE[1]) as usize;
                 let mut depths = [0.0; (TILE * TILE) as usize];
-                let mut surfaces = [None; (TILE * TILE) as usize];
+                // Each pixel's surface, by its place in a list.
+                let mut surfaces = [0u32; (TILE * TILE) as usize];
+                let mut list = Vec::new();
                 for _ in 0..RUNS {
                     fast.push(seconds(|| {
                         for tile in tiles() {
@@ -450,10 +464,12 @@ impl View {
                                 |patch, t| {
                                     let Patch { area, mask, met } = patch;
                                     put_depths(&mut depths, &tile, &area, mask, t);
-                                    put(&mut surfaces, &tile, &area, mask, met);
+                                    put(&mut surfaces, &tile, &area, mask, list.len() as u32);
+                                    list.push(met);
                                 },
                             );
-                            black_box((&depths, &surfaces));
+                            black_box((&depths, &surfaces, &list));
+                            list.clear();
                         }
                     }));
                 }

@@ -17,12 +17,14 @@
 //! | file | what |
 //! |---|---|
 //! | [`area`] | rectangles, and sets of pixels in them |
-//! | [`engine`] | the walk, for rays from a point and rays to a point ([`super::shadow`]) |
-//! | [`depth`] | how far the rays go to a surface that all meet |
+//! | `engine` | the walk, for rays from a point and rays to a point ([`super::shadow`]) |
+//! | `window` | rays that part, pixel by pixel |
+//! | `depth` | how far the rays go to a surface that all meet |
 
 pub mod area;
 pub(super) mod depth;
 pub(super) mod engine;
+mod window;
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec2, DVec3};

@@ -166,9 +166,9 @@ impl Queues {
                 first = self.before[fourth as usize];
                 let rays = four.map(|i| &self.rays[i as usize]);
                 let (exits, passes) = leave(simd, layout, room, entry, rays);
-                for k in 0..4 {
-                    let (ray, edge) = (four[k] as usize, exits.edge[k].to_bits() as u32);
-                    let found = (exits.found >> k & 1) as u32;
+                for (k, &number) in four.iter().enumerate() {
+                    let (ray, edge) = (number as usize, exits.edge[k].to_bits() as u32);
+                    let found = ((exits.found >> k) & 1) as u32;
                     self.stops[ray] = Stop {
                         t: exits.t[k],
                         z: exits.z[k],
@@ -176,12 +176,12 @@ impl Queues {
                         cell,
                     };
                     let twin = layout.gates[edge as usize].twin;
-                    let to = select_unpredictable(passes >> k & 1 != 0, twin, ended);
+                    let to = select_unpredictable((passes >> k) & 1 != 0, twin, ended);
                     let head = &mut self.heads[to as usize];
                     self.turns[self.given & turn] = to;
                     self.given += usize::from(*head == NOBODY);
                     self.before[ray] = *head;
-                    *head = four[k] | u32::from(to == ended);
+                    *head = number | u32::from(to == ended);
                 }
                 self.before[NOBODY as usize] = NOBODY;
             }

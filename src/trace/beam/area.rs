@@ -93,7 +93,7 @@ impl Mask {
     /// Whether it has the pixel in this column and row of the area.
     #[inline]
     pub fn has(self, column: u32, row: u32) -> bool {
-        self.is_all() || self.0 >> (8 * row + column) & 1 != 0
+        self.is_all() || (self.0 >> (8 * row + column)) & 1 != 0
     }
 
     /// The bits of all pixels of a window.
@@ -101,7 +101,7 @@ impl Mask {
     pub(crate) fn whole(area: &Area) -> u64 {
         const COLUMNS: u64 = 0x0101_0101_0101_0101;
         let row = (1 << area.width()) - 1;
-        COLUMNS * row & (u64::MAX >> (64 - 8 * area.height()))
+        (COLUMNS * row) & (u64::MAX >> (64 - 8 * area.height()))
     }
 
     /// The smallest area around these pixels of a window, and which of its pixels they are. There
@@ -109,9 +109,9 @@ impl Mask {
     #[inline]
     pub(crate) fn trim(bits: u64, area: &Area) -> (Area, Self) {
         let (first, last) = (bits.trailing_zeros() / 8, bits.leading_zeros() / 8);
-        let columns = (bits | bits >> 32) as u32;
-        let columns = columns | columns >> 16;
-        let columns = (columns | columns >> 8) & 0xff;
+        let columns = (bits | (bits >> 32)) as u32;
+        let columns = columns | (columns >> 16);
+        let columns = (columns | (columns >> 8)) & 0xff;
         let left = columns.trailing_zeros();
         let (x, y) = (area.x.0 + left, area.y.0 + first);
         let trimmed = Area {
