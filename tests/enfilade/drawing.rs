@@ -43,7 +43,7 @@ fn draws_a_level_and_says_what_it_did() {
         "10800 primary",
         "seconds     read",
         "shadows     on   light `Sun`",
-        "mirror      off",
+        "refraction  off  material `water` has it",
         "glossy      off  no material mirrors and is rough",
     ] {
         assert!(text.contains(part), "`{part}` is not in:\n{text}");
