@@ -331,10 +331,6 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         if spot.normal.dot(l) <= 0.0 || spot.outer.dot(l) <= 0.0 {
             return DVec3::ZERO;
         }
-        if SHADOWS && seen == Some(false) {
-            work.rays.shadow += 1;
-            return DVec3::ZERO;
-        }
         let reflected = phong(
             (spot.colour, finish.ks, finish.shininess),
             spot.normal,
@@ -342,6 +338,10 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             spot.view,
         );
         if reflected == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        if SHADOWS && seen == Some(false) {
+            work.rays.shadow += 1;
             return DVec3::ZERO;
         }
         let mut light = arrival.intensity * reflected;
