@@ -98,7 +98,7 @@ pub struct Work {
 }
 
 /// Which of a cell's lights reach a point, as far as that is known already: bit i stands for the
-/// i-th of [`World::lights_of`].
+/// i-th of [`super::world::World::lights_of`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lit {
     /// Of which it is known.
