@@ -27,6 +27,9 @@ pub mod viewpoint;
 
 use viewpoint::{ViewArgs, Viewpoint};
 
+/// The ambient term of places that have no brightness of their own.
+pub const AMBIENT: f64 = 0.12;
+
 /// Draw what an eye in a level sees, by ray tracing.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -74,7 +77,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = finite)]
     exposure: Option<f64>,
     /// Light that is everywhere, where the level does not say how bright its places are
-    #[arg(long, value_name = "IA", default_value_t = 0.12, value_parser = not_negative)]
+    #[arg(long, value_name = "IA", default_value_t = AMBIENT, value_parser = not_negative)]
     ambient: f64,
     /// Seed of all that is random
     #[arg(long, value_name = "N", default_value_t = 1)]

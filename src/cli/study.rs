@@ -2,6 +2,7 @@
 
 mod desk;
 mod drawing;
+mod papers;
 mod stability;
 mod visibility;
 

@@ -8,9 +8,9 @@
 //! depth, so a polygon needs no clipping before its borders are known, be the eye ever so near; and
 //! the signs are those by which rays of [`trace::cast`](crate::trace::cast) walk.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-use crate::trace::camera::Camera;
+use crate::trace::beam::{Fan, middle};
 use crate::trace::space::Space;
 
 /// A border: rays with a positive product with the normal, or those without.
@@ -53,51 +53,18 @@ pub struct Line {
     positive: bool,
 }
 
-/// The rays of a picture as a linear function of the pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
-    /// Direction through the middle of the upper left pixel.
-    pub first: DVec3,
-    /// What a column to the right adds.
-    pub across: DVec3,
-    /// What a row down adds.
-    pub down: DVec3,
-}
-
-impl Frame {
-    /// That of a camera.
-    pub fn of(camera: &Camera) -> Self {
-        let at = |x: f64, y: f64| camera.ray(DVec2::new(x, y)).direction;
-        let [width, height] = camera.size.map(f64::from);
-        let corner = at(0.0, 0.0);
-        let across = (at(width, 0.0) - corner) / width;
-        let down = (at(0.0, height) - corner) / height;
+impl Line {
+    /// A border over the picture that these rays draw.
+    #[inline]
+    pub fn of(border: &Border, fan: &Fan) -> Self {
         Self {
-            first: at(0.5, 0.5),
-            across,
-            down,
-        }
-    }
-
-    /// The ray's direction through the middle of a pixel.
-    #[inline]
-    pub fn direction(&self, x: u32, y: u32) -> DVec3 {
-        self.first + self.across * f64::from(x) + self.down * f64::from(y)
-    }
-
-    /// A border over the picture.
-    #[inline]
-    pub fn line(&self, border: &Border) -> Line {
-        Line {
-            a: border.normal.dot(self.across),
-            b: border.normal.dot(self.down),
-            c: border.normal.dot(self.first),
+            a: border.normal.dot(fan.across),
+            b: border.normal.dot(fan.down),
+            c: border.normal.dot(fan.direction(middle(0, 0))),
             positive: border.positive,
         }
     }
-}
 
-impl Line {
     /// Cuts the columns `first..past` of a row down to those on the polygon's side.
     #[inline]
     pub fn cut(&self, row: u32, (first, past): (u32, u32)) -> (u32, u32) {
@@ -156,22 +123,6 @@ mod tests {
                 let value = line.a * f64::from(x) + (line.b * f64::from(row) + line.c);
                 assert_eq!(value >= 0.0, line.positive);
             }
-        }
-    }
-
-    #[test]
-    fn directions_are_those_of_the_camera() {
-        let camera = Camera::new(
-            DVec3::new(1.0, 2.0, 3.0),
-            DVec3::new(1.0, 0.3, -0.2),
-            80.0,
-            [64, 48],
-        );
-        let frame = Frame::of(&camera);
-        for (x, y) in [(0, 0), (63, 47), (20, 31)] {
-            let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let off = frame.direction(x, y) - camera.ray(at).direction;
-            assert!(off.length() < 1e-14);
         }
     }
 }

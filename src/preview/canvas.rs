@@ -3,8 +3,9 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::border::{Border, Frame, Line};
+use super::border::{Border, Line};
 use super::polygon::Polygon;
+use crate::trace::beam::{Fan, middle};
 use crate::trace::camera::Camera;
 use crate::trace::space::{Space, Surface};
 
@@ -48,7 +49,7 @@ impl Canvas {
         &mut self,
         space: &Space,
         camera: &Camera,
-        frame: &Frame,
+        fan: &Fan,
         polygon: &Polygon,
         mut coat: impl FnMut(DVec3, DVec3) -> Coat,
     ) -> u64 {
@@ -57,7 +58,7 @@ impl Canvas {
         };
         let mut borders: SmallVec<[Border; 12]> = SmallVec::new();
         polygon.borders(space, camera.eye, &mut borders);
-        let lines: SmallVec<[Line; 12]> = borders.iter().map(|b| frame.line(b)).collect();
+        let lines: SmallVec<[Line; 12]> = borders.iter().map(|b| Line::of(b, fan)).collect();
         let depth = Depth::of(space, camera.eye, polygon);
         let mut painted = 0;
         for y in rows.0..rows.1 {
@@ -70,7 +71,7 @@ impl Canvas {
             }
             let start = y as usize * self.size[0] as usize;
             for x in columns.0..columns.1 {
-                let direction = frame.direction(x, y);
+                let direction = fan.direction(middle(x, y));
                 let point = camera.eye + direction * depth.at(direction);
                 let i = start + x as usize;
                 match coat(direction, point) {

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::border::Frame;
 use super::canvas::{Canvas, Coat};
 use super::polygon::Polygons;
 use crate::cells::{CellId, Tree};
 use crate::geom::Vertex;
+use crate::trace::beam::Bundle;
 use crate::trace::camera::Camera;
 use crate::trace::space::{Space, Surface};
 
@@ -47,7 +47,7 @@ pub fn paint(
     canvas: &mut Canvas,
 ) -> Figures {
     let mut figures = Figures::default();
-    let frame = Frame::of(camera);
+    let fan = camera.fan();
     tree.back_to_front(eye, |cell| {
         if !wanted(cell) {
             return;
@@ -62,7 +62,7 @@ pub fn paint(
             }
             figures.painted += 1;
             let coat = |direction, point| coat(polygon.surface, direction, point);
-            figures.pixels += canvas.fill(space, camera, &frame, polygon, coat);
+            figures.pixels += canvas.fill(space, camera, &fan, polygon, coat);
         }
     });
     figures.covered = canvas.covered();

@@ -121,8 +121,8 @@ fn in_cell(space: &Space, cell: &Chamber, id: CellId, list: &mut Vec<Polygon>) {
 }
 
 impl Polygon {
-    /// The plane's unit normal, towards the side from which it is seen, times the distance of the eye
-    /// from it on that side: positive for an eye that sees it.
+    /// Positive for an eye on the side of the plane from which it is seen, and the more so the farther
+    /// from the plane the eye is.
     #[inline]
     pub fn before(&self, space: &Space, eye: DVec3) -> f64 {
         match self.surface {

@@ -114,11 +114,6 @@ fn is_behind(space: &Space, on: Surface, cell: u32, entry: u32, lamp: &Lamp) -> 
     }
 }
 
-/// Whether nothing stands between a point and a light.
-pub fn visible(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> bool {
-    blocker(space, point, start, lamp).is_none()
-}
-
 /// What stands between each point of a patch and a light: `out` is told sets of pixels and their
 /// [`blocker`]. The points are those of the rays at the `t` of [`Patch::depths`].
 pub fn patch(

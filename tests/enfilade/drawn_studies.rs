@@ -1,47 +1,14 @@
 //! `enfilade study effects`, `antialiasing` and `structures`: their figures, and their pages in a
 //! browser.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::browser::Browser;
-
-struct Studied {
-    _folder: TempDir,
-    page: PathBuf,
-    json: Value,
-}
-
-fn study(kind: &str, level: &str, further: &[&str]) -> Studied {
-    let folder = TempDir::new().expect("there is room");
-    let [page, json] = ["page.html", "study.json"].map(|name| folder.path().join(name));
-    let level = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("levels")
-        .join(level);
-    let output = Command::cargo_bin("enfilade")
-        .expect("the program is built")
-        .args(["study", kind])
-        .arg(level)
-        .arg("-o")
-        .arg(&page)
-        .arg("--json")
-        .arg(&json)
-        .args(further)
-        .output()
-        .expect("the program starts");
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    let text = fs::read(&json).expect("the JSON is written");
-    Studied {
-        _folder: folder,
-        page,
-        json: serde_json::from_slice(&text).expect("it is JSON"),
-    }
-}
+use crate::study::{Studied, study};
 
 /// The page needs nothing else, says nothing to the console, and fits a phone.
 fn look_at(studied: &Studied, pictures: bool) {

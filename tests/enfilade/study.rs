@@ -9,13 +9,17 @@ use tempfile::TempDir;
 
 use crate::browser::Browser;
 
-struct Studied {
+/// A finished study.
+pub struct Studied {
     _folder: TempDir,
-    page: PathBuf,
-    json: Value,
+    /// Its page.
+    pub page: PathBuf,
+    /// Its figures.
+    pub json: Value,
 }
 
-fn study(level: &str, further: &[&str]) -> Studied {
+/// Runs `enfilade study` of a kind on a sample level.
+pub fn study(kind: &str, level: &str, further: &[&str]) -> Studied {
     let folder = TempDir::new().expect("there is room");
     let [page, json] = ["page.html", "study.json"].map(|name| folder.path().join(name));
     let level = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -23,7 +27,7 @@ fn study(level: &str, further: &[&str]) -> Studied {
         .join(level);
     let output = Command::cargo_bin("enfilade")
         .expect("the program is built")
-        .args(["study", "visibility"])
+        .args(["study", kind])
         .arg(level)
         .arg("-o")
         .arg(&page)
@@ -71,7 +75,7 @@ fn says(text: &str, wanted: &Value) -> bool {
 
 #[test]
 fn the_page_says_what_the_json_says() {
-    let studied = study("tiny.toml", &["--budget", "20"]);
+    let studied = study("visibility", "tiny.toml", &["--budget", "20"]);
     let Some(browser) = Browser::start("the page of a study in a browser") else {
         return;
     };
@@ -138,7 +142,7 @@ fn the_page_says_what_the_json_says() {
 #[test]
 fn the_page_fits_screens_and_colour_schemes() {
     // A short budget: something is left out, and the page has to cope.
-    let studied = study("museum.toml", &["--budget", "5"]);
+    let studied = study("visibility", "museum.toml", &["--budget", "5"]);
     let Some(browser) = Browser::start("the page of a study on a phone") else {
         return;
     };

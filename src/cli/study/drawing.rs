@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 
 use super::desk::Desk;
+use super::papers::{Papers, check_budget};
 use crate::cells::{Locator, Options, subdivide};
 use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
-use crate::cli::output::{self, Output};
-use crate::cli::render::files;
 use crate::cli::render::viewpoint::{self, ViewArgs, Viewpoint};
-use crate::cli::{Answer, Memory, complain, compute, progress, summary};
+use crate::cli::render::{AMBIENT, files};
+use crate::cli::{Answer, Memory, compute, progress, summary};
 use crate::pvs::{Progress, sweep};
 use crate::study::drawing::{About, Shot, antialiasing, effects, structures};
 use crate::study::visibility::Bench;
@@ -183,20 +183,9 @@ fn run<T: Serialize + Send>(
     memory: Option<Memory>,
     study: impl FnOnce(&Shot, &mut Desk) -> Finished<T> + Send,
 ) -> Result<Answer> {
-    if !(args.budget > 0.0 && args.budget.is_finite()) {
-        bail!(
-            "--budget {} leaves no time; give a number of seconds",
-            args.budget
-        );
-    }
+    check_budget(args.budget)?;
     args.view.check()?;
-    let paths = [Some(args.output.as_path()), args.json.as_deref()];
-    output::must_differ(paths[0], paths[1])?;
-    // Found out now; written only at the end.
-    paths
-        .into_iter()
-        .flatten()
-        .try_for_each(|path| Output::create(path).map(drop))?;
+    let papers = Papers::new(&args.output, args.json.as_deref())?;
     let source = open(&args.level.level)?;
     let level = source.level(args.level.map.as_deref())?;
     if !args.quiet {
@@ -210,8 +199,8 @@ fn run<T: Serialize + Send>(
     let graph = subdivide(&level, &options);
     let pvs = sweep::sweep(&graph, &Progress::default());
     let read = files::read(&args.level.level, &source, &level)?;
-    let world = World::new(&level, &graph, &pvs, &read, USUAL_AMBIENT)
-        .with_context(|| level.source.clone())?;
+    let world =
+        World::new(&level, &graph, &pvs, &read, AMBIENT).with_context(|| level.source.clone())?;
     let view = Viewpoint::choose(&args.view, &level, &graph, &world)?;
     let start = locate(&world, &graph, &Locator::new(&graph), view.eye)?;
     let survey = survey(&world, &pvs, start);
@@ -243,19 +232,7 @@ fn run<T: Serialize + Send>(
     };
     let line = desk.line(args.budget);
     let finished = progress::show_parts(args.quiet, line, || study(&shot, &mut desk));
-    let mut files = Vec::new();
-    let mut html = Output::create(&args.output)?;
-    html.write(|out| out.write_all(finished.page.as_bytes()))?;
-    files.push(html);
-    if let Some(path) = &args.json {
-        let mut json = Output::create(path)?;
-        json.write(|out| {
-            serde_json::to_writer_pretty(&mut *out, &finished.figures)?;
-            writeln!(out)
-        })?;
-        files.push(json);
-    }
-    output::commit(files)?;
+    papers.write(&finished.page, &finished.figures)?;
     if !args.quiet {
         let text = format!(
             "{} ({}), {}\n\n{}\n{}\n",
@@ -265,14 +242,7 @@ fn run<T: Serialize + Send>(
             finished.table,
             finished.advice.join("\n")
         );
-        if paths.into_iter().flatten().any(output::is_stdout) {
-            complain(text.trim_end());
-        } else {
-            output::print(&text)?;
-        }
+        papers.say(&text)?;
     }
     Ok(Answer::Yes)
 }
-
-/// As of `render`.
-const USUAL_AMBIENT: f64 = 0.12;

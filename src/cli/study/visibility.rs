@@ -6,9 +6,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 
 use super::desk::Desk;
+use super::papers::{Papers, check_budget};
 use crate::cells::Options;
 use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, warn_of};
-use crate::cli::output::{self, Output};
 use crate::cli::{Answer, Memory, complain, compute, progress, summary};
 use crate::level::wording::{duration, grouped};
 use crate::study::visibility::{Answer as Figures, Results, Run, StudyOptions};
@@ -51,20 +51,8 @@ pub struct VisibilityArgs {
 
 /// Runs `enfilade study visibility`.
 pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
-    if !(args.budget > 0.0 && args.budget.is_finite()) {
-        bail!(
-            "--budget {} leaves no time; give a number of seconds",
-            args.budget
-        );
-    }
-    let paths = [Some(args.output.as_path()), args.json.as_deref()];
-    output::must_differ(paths[0], paths[1])?;
-    // Only to find out early whether they can be written: whoever stops the study in the middle
-    // shall not find unfinished files.
-    paths
-        .into_iter()
-        .flatten()
-        .try_for_each(|path| Output::create(path).map(drop))?;
+    check_budget(args.budget)?;
+    let papers = Papers::new(&args.output, args.json.as_deref())?;
     let mut desk = Desk::new(compute::pool(args.threads)?, memory);
     let level = args.level.read()?;
     if !args.quiet {
@@ -87,29 +75,12 @@ pub fn run(args: &VisibilityArgs, memory: Option<Memory>) -> Result<Answer> {
             level.name
         );
     };
-    let mut files = Vec::new();
-    let mut html = Output::create(&args.output)?;
-    html.write(|out| out.write_all(page(&level, &study).as_bytes()))?;
-    files.push(html);
-    if let Some(path) = &args.json {
-        let mut json = Output::create(path)?;
-        json.write(|out| {
-            serde_json::to_writer_pretty(&mut *out, &study.results)?;
-            writeln!(out)
-        })?;
-        files.push(json);
-    }
-    output::commit(files)?;
+    papers.write(&page(&level, &study), &study.results)?;
     if !args.quiet {
         for note in &study.results.notes {
             complain(&format!("note: {note}"));
         }
-        let summary = in_words(&study.results);
-        if paths.into_iter().flatten().any(output::is_stdout) {
-            complain(summary.trim_end());
-        } else {
-            output::print(&summary)?;
-        }
+        papers.say(&in_words(&study.results))?;
     }
     Ok(Answer::Yes)
 }
