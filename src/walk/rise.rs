@@ -8,9 +8,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::person::heights;
 use crate::cells::{CellGraph, CellId, Locator};
 use crate::trace::Space;
-use crate::trace::space::{Border, WALL};
+use crate::trace::space::{Border, Chamber, WALL};
 
 /// Share of the eye's height that is kept free below it.
 const BELOW: f64 = 0.25;
@@ -41,15 +42,12 @@ impl<'a> Ground<'a> {
         self.locator.cells_at(self.graph, &fine).first().copied()
     }
 
-    /// Floor and ceiling of a cell; a level without heights has its floor at 0.
+    pub(super) fn chamber(&self, cell: CellId) -> &Chamber {
+        self.space.cell(cell.0)
+    }
+
     fn heights(&self, cell: CellId) -> [f64; 2] {
-        let chamber = self.space.cell(cell.0);
-        let floor = if chamber.floor.is_finite() {
-            chamber.floor
-        } else {
-            0.0
-        };
-        [floor, chamber.ceiling]
+        heights(self.chamber(cell))
     }
 }
 
@@ -66,23 +64,30 @@ pub(super) fn cross(
     // A way through a corner may go around it through a few cells; a longer one runs in circles.
     for _ in 0..=space.cells.len() {
         let chamber = space.cell(cell);
-        let mut nearest = None;
+        // The edge that the way leaves through: it has the way's line between its ends. Edges may
+        // lie in line, so which lines the way crosses first does not tell.
+        let mut exit = None;
+        let (mut nearest, mut spare) = (f64::INFINITY, None);
+        let mut outside = false;
         for e in chamber.first..chamber.past {
             let edge = space.edge(e);
             let (a, b) = (space.vertex(edge.from), space.vertex(edge.to));
-            let along = b - a;
-            if along.perp_dot(to - a) >= 0.0 {
+            if (b - a).perp_dot(to - a) >= 0.0 {
                 continue;
             }
-            let out = along.perp_dot(way);
-            if out < 0.0 {
-                let share = along.perp_dot(from - a) / -out;
-                if nearest.is_none_or(|(least, _)| share < least) {
-                    nearest = Some((share, e));
-                }
+            outside = true;
+            let side = [a, b].map(|end| way.perp_dot(end - from));
+            if side[0] <= 0.0 && side[1] > 0.0 {
+                exit = Some(e);
+                break;
+            }
+            // A start that rounding put outside may miss all of them: then the one it misses least.
+            let miss = side[0].max(-side[1]);
+            if exit.is_none() && miss < nearest {
+                (nearest, spare) = (miss, Some(e));
             }
         }
-        let Some((_, e)) = nearest else {
+        let Some(e) = exit.or(spare).filter(|_| outside) else {
             return Some(cell);
         };
         let edge = space.edge(e);
