@@ -22,6 +22,7 @@
 //! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; sectors, the file format, `verify` |
 //! | [`trace`] | `Level` + `CellGraph` + `Pvs` → image | rays that walk through portals, beams, shapes, acceleration structures; the world with its lights, shading, effects and which of them a picture calls for, pictures; floating point begins here |
 //! | [`preview`] | cells + tree + eye → painted picture | the BSP's back-to-front order, back-face culling, a raster without a depth buffer that agrees with the rays on every pixel |
+//! | [`walk`] | path or `Level` + `CellGraph` + person → [`Track`](walk::Track) | the eye at each moment: smooth paths at constant speed, and tours of everything that can be reached on foot |
 //! | [`report`] | results → people | JSON, pictures of the plan, explanations in words |
 //! | [`study`] | results → people | what accuracy costs in time; the hard cases; what effects, samples and structures cost |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
@@ -71,3 +72,4 @@ pub mod report;
 pub mod sight;
 pub mod study;
 pub mod trace;
+pub mod walk;

@@ -201,12 +201,28 @@ pub struct Camera {
 pub struct CameraPath {
     /// Name for `--path`.
     pub name: String,
-    /// Eye positions that the walk passes through, at least two, no two in a row equal.
+    /// What the walk passes through, at least two points, no two in a row equal; of a closed path
+    /// neither the last and the first. The eye itself, or, with `eye`, places on the plan (z is 0).
     pub points: Vec<DVec3>,
+    /// Height of the eye over the floor that it passes, positive; `None`: the points are the eye.
+    pub eye: Option<f64>,
+    /// Whether the walk goes on from the last point to the first.
+    pub closed: bool,
     /// Where the walker looks.
     pub look: PathLook,
+    /// How fast he walks.
+    pub pace: PathPace,
+    /// Horizontal angle of view in degrees, above 0 and below 180.
+    pub fov: f64,
+}
+
+/// How fast a walker walks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathPace {
     /// Duration of the whole walk, positive.
-    pub seconds: f64,
+    Seconds(f64),
+    /// Length per second, positive.
+    Speed(f64),
 }
 
 /// Where a walker looks.

@@ -7,8 +7,8 @@ use toml::Spanned;
 
 use super::super::dress::Dress;
 use super::super::scene::{
-    Budget, Camera, CameraPath, Light, LightShape, Material, MaterialId, Object, PathLook, Scene,
-    Shape, Texture,
+    Budget, Camera, CameraPath, Light, LightShape, Material, MaterialId, Object, PathLook,
+    PathPace, Scene, Shape, Texture,
 };
 use super::error::TomlError;
 use super::names::Names;
@@ -38,7 +38,7 @@ pub(super) fn read_scene(
         lights: each(&file.light, |l| light(source, l))?,
         objects: each(&file.object, |o| object(source, o, materials))?,
         cameras: each(&file.camera, |c| camera(source, c))?,
-        paths: each(&file.path, |p| path(source, p.get_ref()))?,
+        paths: each(&file.path, |p| path(source, p))?,
         budget: Budget {
             max_visible_cells: file.budget.max_visible_cells,
             max_visible_walls: file.budget.max_visible_walls,
@@ -330,13 +330,7 @@ fn camera(source: &SourceText, table: &Spanned<CameraTable>) -> Result<Camera, T
             });
         }
     };
-    let fov = record.fov.as_ref().map_or(USUAL_FOV, |f| f.get_ref().0);
-    if let Some(given) = &record.fov
-        && fov >= 180.0
-    {
-        let what = "`fov` must be below 180 degrees";
-        return Err(degenerate(source, given.span(), what));
-    }
+    let fov = fov(source, &record.fov)?;
     Ok(Camera {
         name: record.name.get_ref().clone(),
         eye,
@@ -345,26 +339,70 @@ fn camera(source: &SourceText, table: &Spanned<CameraTable>) -> Result<Camera, T
     })
 }
 
-fn path(source: &SourceText, record: &PathTable) -> Result<CameraPath, TomlError> {
+/// The angle of view of a camera or a path.
+fn fov(source: &SourceText, given: &Option<Spanned<Positive>>) -> Result<f64, TomlError> {
+    match given {
+        Some(fov) if fov.get_ref().0 >= 180.0 => {
+            let what = "`fov` must be below 180 degrees";
+            Err(degenerate(source, fov.span(), what))
+        }
+        Some(fov) => Ok(fov.get_ref().0),
+        None => Ok(USUAL_FOV),
+    }
+}
+
+fn path(source: &SourceText, table: &Spanned<PathTable>) -> Result<CameraPath, TomlError> {
+    let record = table.get_ref();
     let points = record.points.get_ref();
     if points.len() < 2 {
         let what = "a path needs at least two points";
         return Err(degenerate(source, record.points.span(), what));
     }
-    for pair in points.windows(2) {
-        let [a, b] = [&pair[0], &pair[1]].map(|p| p.get_ref().map(|Finite(x)| x));
-        if a == b {
-            let what = "a path has the same point twice in a row; leave one out";
-            return Err(degenerate(source, pair[1].span(), what));
+    let read = |p: &Spanned<Vec<Finite>>| match (record.eye, &p.get_ref()[..]) {
+        (None, &[x, y, z]) => Ok(vec3([x, y, z])),
+        (Some(_), &[x, y]) => Ok(vec3([x, y, Finite(0.0)])),
+        (None, _) => {
+            let what = "a point of a path is `[x, y, z]`, where the eye is; or `[x, y]` in a path \
+                with `eye`, the eye's height over the floor";
+            Err(degenerate(source, p.span(), what))
         }
+        (Some(_), _) => {
+            let what = "a point of a path with `eye`, the eye's height over the floor, is `[x, y]`";
+            Err(degenerate(source, p.span(), what))
+        }
+    };
+    let places = each(points, read)?;
+    if let Some(i) = (1..places.len()).find(|&i| places[i] == places[i - 1]) {
+        let what = "a path has the same point twice in a row; leave one out";
+        return Err(degenerate(source, points[i].span(), what));
     }
+    if let (true, Some(last)) = (record.closed, points.last())
+        && places.first() == places.last()
+    {
+        let what = "a closed path ends where it starts by itself; leave the last point out";
+        return Err(degenerate(source, last.span(), what));
+    }
+    let pace = match (&record.seconds, &record.speed) {
+        (Some(seconds), None) => PathPace::Seconds(seconds.get_ref().0),
+        (None, Some(speed)) => PathPace::Speed(speed.get_ref().0),
+        _ => {
+            return Err(TomlError::Keys {
+                place: source.place(table.span()),
+                what: "a path".into(),
+                needed: "either `seconds` (for the whole) or `speed` (length per second)".into(),
+            });
+        }
+    };
     Ok(CameraPath {
         name: record.name.get_ref().clone(),
-        points: points.iter().map(|p| vec3(*p.get_ref())).collect(),
+        points: places,
+        eye: record.eye.map(|z| z.0),
+        closed: record.closed,
         look: match record.look {
             Some(point) => PathLook::At(vec3(point)),
             None => PathLook::Ahead,
         },
-        seconds: record.seconds.0,
+        pace,
+        fov: fov(source, &record.fov)?,
     })
 }

@@ -76,7 +76,7 @@
 //! | `[[light]]` | `kind`: `"point"` (`position`), `"spot"` (`position`, `direction`, `angle` 45, `inner` 0), `"directional"` (`direction`), `"rectangle"` (`position` of its middle, `edges = [[x, y, z], [x, y, z]]`), `"disc"` (`position`, `direction`, `radius`), `"sphere"` (`position`, `radius`); `color` RGB (white), `intensity` (1), `name` |
 //! | `[[object]]` | `kind`: `"sphere"` (`radius`), `"box"` (`size = [x, y, z]`), `"cylinder"` and `"cone"` (`radius`, `height`), `"polygon"` (`points`), `"mesh"` (`file`); `position` (of a sphere's middle, otherwise of the foot), `rotation = [x, y, z]`, `scale` (one number or three), `material`, `name` |
 //! | `[[camera]]` | `name`, `eye`; `look` (a point) or `direction`; `fov` (60, horizontal) |
-//! | `[[path]]` | `name`, `points = [[x, y, z], …]` of the eye, `seconds`; `look` (a point; otherwise ahead) |
+//! | `[[path]]` | a walk for `walk --path`: `name`; `points = [[x, y, z], …]` of the eye, or `[[x, y], …]` with `eye`, its height over the floor; `seconds` for the whole or `speed` (length per second); `look` (a point; otherwise ahead), `closed = true` to go on to the first point, `fov` (60, horizontal) |
 //!
 //! # Errors
 //! [`TomlError`]: wrong TOML, unknown keys and names (with a suggestion), outlines that cross

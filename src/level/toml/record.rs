@@ -349,9 +349,14 @@ pub(super) struct CameraTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct PathTable {
     pub name: Name,
-    pub points: Spanned<Vec<Spanned<Point3>>>,
+    pub points: Spanned<Vec<Spanned<Vec<Finite>>>>,
+    pub eye: Option<Positive>,
+    #[serde(default)]
+    pub closed: bool,
     pub look: Option<Point3>,
-    pub seconds: Positive,
+    pub seconds: Option<Spanned<Positive>>,
+    pub speed: Option<Spanned<Positive>>,
+    pub fov: Option<Spanned<Positive>>,
 }
 
 #[derive(Default, Deserialize)]

@@ -2,7 +2,7 @@ use glam::DVec2;
 
 use super::super::finding::Place;
 use super::super::model::{Interior, OpeningStyle, OutlineId, SectorId, Wall, WallKind};
-use super::super::scene::{LightShape, PathLook, Shape};
+use super::super::scene::{LightShape, PathLook, PathPace, Shape};
 use super::*;
 
 const TWO_ROOMS: &str = r#"
@@ -271,6 +271,7 @@ fn the_scene_is_read() {
          [[object]]\nkind = 'box'\nsize = [1, 1, 0.5]\nposition = [2, 2, 0]\nscale = 2\nmaterial = 'glass'\n\
          [[camera]]\nname = 'c'\neye = [1, 1, 1.6]\nlook = [5, 1, 1.6]\n\
          [[path]]\nname = 'p'\npoints = [[1, 1, 1.6], [5, 1, 1.6]]\nseconds = 4\n\
+         [[path]]\nname = 'q'\npoints = [[1, 1], [5, 1], [5, 2]]\neye = 1.5\nspeed = 1.2\nclosed = true\nfov = 75\nlook = [3, 3, 1]\n\
          [budget]\nmax_visible_cells = 12",
     );
     let scene = &level.scene;
@@ -285,7 +286,14 @@ fn the_scene_is_read() {
         (scene.cameras[0].direction.x, scene.cameras[0].fov),
         (1.0, 60.0)
     );
-    assert_eq!(scene.paths[0].look, PathLook::Ahead);
+    let [p, q] = &scene.paths[..] else {
+        panic!("two paths")
+    };
+    assert_eq!((p.look, p.eye, p.closed), (PathLook::Ahead, None, false));
+    assert_eq!((p.pace, p.fov), (PathPace::Seconds(4.0), 60.0));
+    assert_eq!((q.eye, q.closed, q.fov), (Some(1.5), true, 75.0));
+    assert_eq!(q.pace, PathPace::Speed(1.2));
+    assert!(matches!(q.look, PathLook::At(p) if p.z == 1.0));
     assert_eq!(scene.budget.max_visible_cells, Some(12));
 }
 
@@ -425,6 +433,54 @@ fn mistakes_are_named_with_their_place() {
         (
             &format!("{TWO_ROOMS}[[camera]]\nname = 'c'\neye = [1, 1, 1]"),
             "line 11, column 1: a camera needs either `look`",
+        ),
+        (
+            &format!("{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1, 1]]\nseconds = 2"),
+            "line 13, column 10: a path needs at least two points",
+        ),
+        (
+            &format!("{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1, 1], [2, 1]]\nseconds = 2"),
+            "line 13, column 22: a point of a path is `[x, y, z]`",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1, 1]]\neye = 1.6\nseconds = 2"
+            ),
+            "line 13, column 19: a point of a path with `eye`",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [1, 1]]\neye = 1.6\nseconds = 2"
+            ),
+            "line 13, column 19: a path has the same point twice in a row",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1], [1, 1]]\neye = 1.6\nseconds = 2\nclosed = true"
+            ),
+            "line 13, column 27: a closed path ends where it starts",
+        ),
+        (
+            &format!("{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1]]\neye = 1.6"),
+            "line 11, column 1: a path needs either `seconds`",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1]]\neye = 1.6\nseconds = 1\nspeed = 1"
+            ),
+            "line 11, column 1: a path needs either `seconds`",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1]]\neye = 1.6\nspeed = 1\nfov = 180"
+            ),
+            "line 16, column 7: `fov` must be below 180",
+        ),
+        (
+            &format!(
+                "{TWO_ROOMS}[[path]]\nname = 'p'\npoints = [[1, 1], [2, 1]]\neye = 0\nspeed = 1"
+            ),
+            "line 14, column 7: 0 is not above zero",
         ),
         (
             &format!("{TWO_ROOMS}[[material]]\nname = 'm'\nkd = [1, 2, 0]"),
