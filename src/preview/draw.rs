@@ -10,7 +10,7 @@ use super::coat::{Coats, Finish, Packed};
 use super::culling::{Culling, cone};
 use super::fill::{fill, solid};
 use super::objects::{self, Spot, Standing, Window};
-use super::polygon::Polygons;
+use super::polygon::{Polygon, Polygons};
 use super::view::{Shown, View};
 use crate::cells::{CellGraph, CellId, Locator, Tree};
 use crate::pvs::Pvs;
@@ -209,6 +209,33 @@ impl<'a> Painter<'a> {
         };
         figures.pixels = counts.iter().map(|c| c[0]).sum();
         figures.covered = counts.iter().map(|c| c[1]).sum();
+        Ok(figures)
+    }
+
+    /// What drawing would have to do, without doing it; pixels and what lies within the picture are not
+    /// counted. O(polygons of the cells).
+    pub fn count(
+        &self,
+        camera: &Camera,
+        culling: Culling,
+        easel: &mut Easel,
+    ) -> Result<Figures, EyeError> {
+        let cell = locate(self.world, self.graph, &self.locator, camera.eye)?;
+        self.choose(camera, cell, culling, easel)?;
+        let mut figures = Figures {
+            all: self.polygons.iter().len() as u64,
+            ..Figures::default()
+        };
+        let wanted = self.graph.cell_ids().filter(|c| easel.wanted[c.0 as usize]);
+        for cell in wanted {
+            let list = self.polygons.in_cell(cell);
+            let before = |p: &&Polygon| p.before(&self.world.space, camera.eye) > 0.0;
+            figures.cells += 1;
+            figures.triangles += u64::from(self.polygons.triangles_in(cell));
+            figures.polygons += list.len() as u64;
+            figures.painted += list.iter().filter(before).count() as u64;
+            figures.objects += self.world.objects_in(cell).len() as u64;
+        }
         Ok(figures)
     }
 
