@@ -1,7 +1,7 @@
 //! Places to stand, and steps between them.
 //!
 //! In: the cells, a person, and what stands in the way. Out: a [`Net`]. The plan is laid out in tiles
-//! half as wide as a person's radius. A tile has a place where the body, as a disc, keeps clear of
+//! as wide as a person's radius. A tile has a place where the body, as a disc, keeps clear of
 //! everything that cannot be passed both ways: walls, high steps and drops, things. If its middle is
 //! none, a finer lattice is tried; so a passage counts as wide enough from about 0.93 of the body's
 //! width on. Neighbouring places are joined where the straight way between them is clear too. Down a
@@ -18,9 +18,9 @@ use crate::trace::Space;
 use crate::trace::space::WALL;
 
 /// Width of a tile in radii.
-const TILE: f64 = 0.5;
+const TILE: f64 = 1.0;
 /// Parts of a tile's side in the finer lattice.
-const FINE: i32 = 4;
+const FINE: i32 = 8;
 /// Share of the radius that a place keeps clear.
 pub(super) const PLACE: f64 = 0.93;
 /// Share of the radius that a way between two places keeps clear.
@@ -184,7 +184,7 @@ impl Net {
             }
             let (a, b) = (space.vertex(edge.from), space.vertex(edge.to));
             let inward = (b - a).perp().normalize() * person.radius;
-            let parts = ((b - a).length() / width / 2.0).ceil();
+            let parts = ((b - a).length() / width).ceil();
             for k in 0..parts as u32 {
                 let middle = a.lerp(b, (f64::from(k) + 0.5) / parts);
                 let near = |p: DVec2| {

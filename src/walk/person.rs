@@ -142,14 +142,16 @@ pub fn pass(
     let [to, beyond] = heights(space.cell(space.edge(border.twin).cell));
     let sill = border.bottom.max(from).max(to);
     let room = border.top.min(over).min(beyond) - sill;
-    if room < person.height {
+    // Heights of 0.4 are differences of others, and rounded: such a step is no higher than 0.4.
+    let above = |given: f64, limit: f64| given > limit * (1.0 + 1e-9);
+    if above(person.height, room) {
         return Err(Barrier::Low(room.max(0.0)));
     }
-    if sill - from > person.step {
+    if above(sill - from, person.step) {
         return Err(Barrier::Step(sill - from));
     }
     // Whoever steps onto a sill steps down from it again.
-    if sill - to > person.drop {
+    if above(sill - to, person.drop) {
         return Err(Barrier::Drop(sill - to));
     }
     Ok(())

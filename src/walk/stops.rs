@@ -12,6 +12,8 @@ use super::search::ways;
 const MOST: usize = 300;
 /// Most times that all exchanges are tried.
 const SWEEPS: u32 = 12;
+/// What is not shorter than this share is no improvement: sums in another order round otherwise.
+const SAME: f64 = 1.0 - 1e-9;
 /// Share of a sector's largest clearance from which on a place is its midst.
 const MIDST: f64 = 0.9;
 /// Share of the clearance of a sector's middle with which passing by is seeing it.
@@ -106,38 +108,42 @@ fn improve(here: &Part, stops: &mut [u32]) {
             stops.iter().map(|&to| search.cost[to as usize]).collect()
         })
         .collect();
-    let cost = |order: &[usize]| -> f64 { order.windows(2).map(|w| rows[w[0]][w[1]]).sum() };
+    let row = |i: usize, j: usize| rows[i][j];
     let mut order: Vec<usize> = (0..n).collect();
-    let mut least = cost(&order);
     for _ in 0..SWEEPS {
-        let before = least;
+        let mut better = false;
+        // Length of the way up to each stop, and of the same way walked back.
+        let (mut there, mut back) = lengths(&order, &row);
         for i in 1..n {
             for j in i + 1..n {
                 // Turn round what lies between.
-                order[i..=j].reverse();
-                let turned = cost(&order);
-                if turned < least {
-                    least = turned;
-                } else {
+                let (a, b, c) = (order[i - 1], order[i], order[j]);
+                let after = |from: usize| order.get(j + 1).map_or(0.0, |&d| row(from, d));
+                let old = row(a, b) + (there[j] - there[i]) + after(c);
+                let new = row(a, c) + (back[j] - back[i]) + after(b);
+                if new < old * SAME {
                     order[i..=j].reverse();
+                    (there, back) = lengths(&order, &row);
+                    better = true;
                 }
             }
         }
         for i in 1..n {
-            for j in 1..n {
-                // Move one stop.
-                let stop = order.remove(i);
-                order.insert(j, stop);
-                let moved = cost(&order);
-                if moved < least {
-                    least = moved;
-                } else {
-                    let stop = order.remove(j);
-                    order.insert(i, stop);
+            // Move one stop to where it costs least.
+            let stop = order.remove(i);
+            let into = |j: usize| {
+                let before = row(order[j - 1], stop);
+                match order.get(j) {
+                    Some(&next) => before + row(stop, next) - row(order[j - 1], next),
+                    None => before,
                 }
-            }
+            };
+            let best = (1..n).min_by(|&j, &k| into(j).total_cmp(&into(k)));
+            let best = best.filter(|&j| into(j) < into(i) * SAME).unwrap_or(i);
+            better |= best != i;
+            order.insert(best, stop);
         }
-        if least >= before {
+        if !better {
             break;
         }
     }
@@ -147,8 +153,19 @@ fn improve(here: &Part, stops: &mut [u32]) {
     }
 }
 
+/// Length of a way up to each of its stops, and of the way back from there.
+fn lengths(order: &[usize], row: &impl Fn(usize, usize) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut there, mut back) = (vec![0.0], vec![0.0]);
+    for (i, pair) in order.windows(2).enumerate() {
+        there.push(there[i] + row(pair[0], pair[1]));
+        back.push(back[i] + row(pair[1], pair[0]));
+    }
+    (there, back)
+}
+
 /// Puts in stops for goals that the finished way misses: on the leg that passes through the sector, at
-/// the place there that is farthest from walls; else after the stop from which it is nearest.
+/// the place there that is farthest from walls; else after the stop from which it is nearest. The
+/// stops that the way must pass through exactly.
 pub(super) fn insert(
     net: &Net,
     allowed: impl Fn(u32) -> bool,
@@ -156,11 +173,17 @@ pub(super) fn insert(
     legs: &[Vec<u32>],
     sectors: &[usize],
     missing: Vec<u32>,
-) {
+) -> Vec<u32> {
     // By leg, the stops to add and how far along it they come.
+    let mut new = Vec::new();
     let mut added: Vec<Vec<(usize, u32)>> = vec![Vec::new(); legs.len().max(1)];
     for goal in missing {
         let sector = sectors[goal as usize];
+        // A stop that was cut off by rounding needs no second one, but to be passed exactly.
+        if stops.contains(&goal) {
+            new.push(goal);
+            continue;
+        }
         let passes = legs.iter().enumerate().find_map(|(leg, places)| {
             let own = places.iter().enumerate();
             let own = own.filter(|(_, p)| sectors[**p as usize] == sector);
@@ -176,6 +199,7 @@ pub(super) fn insert(
             (near.unwrap_or(0), 0, goal)
         });
         added[leg].push((along, place));
+        new.push(place);
     }
     let mut result = vec![stops[0]];
     for (leg, mut list) in added.into_iter().enumerate() {
@@ -184,4 +208,5 @@ pub(super) fn insert(
         result.extend(stops.get(leg + 1));
     }
     *stops = result;
+    new
 }

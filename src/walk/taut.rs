@@ -17,12 +17,30 @@ const ROOMY: f64 = 2.0;
 const ROUND: f64 = 0.7;
 /// How far a parabola may pass by its corner, in radii; tried in this order.
 const CUTS: [f64; 5] = [3.0, 1.5, 0.8, 0.4, 0.15];
+/// How far it may pass by a stop.
+const STOP: f64 = 0.8;
 /// Length of the parts of a line, in radii.
 const PART: f64 = 0.25;
 
-/// The corners of the taut line, first and last place included.
-pub(super) fn pull(net: &Net, clearance: &Clearance, way: &[u32], radius: f64) -> Vec<DVec2> {
-    let mut line: Vec<DVec2> = way.first().map(|&p| net.place(p).at).into_iter().collect();
+/// A corner of the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    pub at: DVec2,
+    /// How far the rounded line may pass by it, in radii.
+    pub cut: f64,
+}
+
+impl Corner {
+    /// A place at which to stop; `exact`: the line passes through it.
+    pub fn stop(at: DVec2, exact: bool) -> Self {
+        let cut = if exact { 0.0 } else { STOP };
+        Corner { at, cut }
+    }
+}
+
+/// The corners of the taut line between the first and the last place, without these two.
+pub(super) fn pull(net: &Net, clearance: &Clearance, way: &[u32], radius: f64) -> Vec<Corner> {
+    let mut line = Vec::new();
     let mut at = 0;
     while at + 1 < way.len() {
         let next = if net.jumps(way[at], way[at + 1]) {
@@ -30,9 +48,13 @@ pub(super) fn pull(net: &Net, clearance: &Clearance, way: &[u32], radius: f64) -
         } else {
             farthest(net, clearance, way, at, radius)
         };
-        line.push(net.place(way[next]).at);
+        line.push(Corner {
+            at: net.place(way[next]).at,
+            cut: CUTS[0],
+        });
         at = next;
     }
+    line.pop();
     line
 }
 
@@ -69,20 +91,20 @@ fn farthest(net: &Net, clearance: &Clearance, way: &[u32], at: usize, radius: f6
 }
 
 /// The line with rounded corners, in short parts.
-pub(super) fn round(clearance: &Clearance, corners: &[DVec2], radius: f64) -> Vec<DVec2> {
+pub(super) fn round(clearance: &Clearance, corners: &[Corner], radius: f64) -> Vec<DVec2> {
     let mut corners = corners.to_vec();
-    corners.dedup();
-    let mut line: Vec<DVec2> = corners.first().copied().into_iter().collect();
+    corners.dedup_by_key(|c| c.at);
+    let mut line: Vec<DVec2> = corners.first().map(|c| c.at).into_iter().collect();
     for i in 1..corners.len() {
-        let b = corners[i];
-        let Some(&c) = corners.get(i + 1) else {
+        let Corner { at: b, cut } = corners[i];
+        let Some(&Corner { at: c, .. }) = corners.get(i + 1) else {
             advance(&mut line, b, radius);
             break;
         };
-        let a = corners[i - 1];
+        let a = corners[i - 1].at;
         let (into, out) = ((b - a).normalize(), (c - b).normalize());
         let half = (out - into).length() / 2.0;
-        if half == 0.0 {
+        if half == 0.0 || cut == 0.0 {
             advance(&mut line, b, radius);
             continue;
         }
@@ -104,7 +126,8 @@ pub(super) fn round(clearance: &Clearance, corners: &[DVec2], radius: f64) -> Ve
             parts.all(|p| clearance.all.clear([p[0], p[1]], ROUND * radius))
         };
         let (smallest, larger) = (CUTS[CUTS.len() - 1], &CUTS[..CUTS.len() - 1]);
-        let found = larger.iter().map(|&cut| arc(cut)).find(clear);
+        let allowed = larger.iter().filter(|c| **c <= cut);
+        let found = allowed.map(|&cut| arc(cut)).find(clear);
         let arc = found.unwrap_or_else(|| arc(smallest));
         advance(&mut line, arc[0], radius);
         line.extend(&arc[1..]);

@@ -16,16 +16,16 @@
 
 use glam::{DVec2, DVec3};
 
-use super::net::{Clearance, Net};
+use super::net::{Clearance, Net, Place};
 use super::obstacle::footprint;
 use super::person::{Barrier, Person, pass};
 use super::rise::{self, Ground, cross};
 use super::search::{NONE, parts, ways};
 use super::stops::{self, Part};
-use super::taut;
+use super::taut::{self, Corner};
 use super::track::{Track, TrackOptions};
 use crate::cells::CellGraph;
-use crate::level::{Level, SectorId};
+use crate::level::{Interior, Level, SectorId};
 use crate::trace::Space;
 
 /// A thing is in the way if it is higher than this share of a step.
@@ -70,8 +70,8 @@ pub fn opened(level: &Level, person: &Person) -> Level {
     level
 }
 
-/// Makes a tour that begins at the first camera (of a Doom map the player's start), or in the largest
-/// cell. `None` if nowhere there is room to stand.
+/// Makes a tour that begins at the camera from which most sectors can be reached, the first of several
+/// (in a map that names no rooms, at the first: the player's start), or else in the largest cell. `None` if nowhere there is room to stand.
 pub fn tour(level: &Level, graph: &CellGraph, space: &Space, person: &Person) -> Option<Tour> {
     let ground = Ground::new(graph, space);
     let n_edges = space.edges.len() as u32;
@@ -83,15 +83,15 @@ pub fn tour(level: &Level, graph: &CellGraph, space: &Space, person: &Person) ->
     let passes = gates.iter().map(Result::is_ok).collect();
     let clearance = Clearance::new(space, passes, things.collect(), person.radius);
     let net = Net::new(graph, space, &clearance, person);
-    let start = start(level, graph, &net, &ground)?;
     let n_sectors = level.sectors.len().max(1);
     let sector = |cell: u32| {
         graph.cells[cell as usize]
             .sector
             .map_or(0, |s| s.0 as usize)
     };
-    let (part, n_parts) = parts(&net, start);
     let sectors: Vec<usize> = net.places.iter().map(|p| sector(p.cell)).collect();
+    let start = start(level, graph, &net, &ground, &sectors)?;
+    let (part, n_parts) = parts(&net, start);
     let chain = chain(&net, &part, n_parts, &sectors);
     let mut on_chain = vec![false; n_parts as usize];
     chain.iter().for_each(|&p| on_chain[p as usize] = true);
@@ -115,14 +115,17 @@ pub fn tour(level: &Level, graph: &CellGraph, space: &Space, person: &Person) ->
     let allowed = |p: u32| part[p as usize] != NONE && on_chain[part[p as usize] as usize];
     let mut plan = Vec::new();
     let mut seen = Vec::new();
+    let mut exact = Vec::new();
     for _ in 0..ROUNDS {
         let legs = stops
             .windows(2)
             .map(|pair| ways(&net, pair[0], allowed, |p| p == pair[1]).to(pair[1]));
         let legs: Vec<Vec<u32>> = legs.collect();
-        let mut corners = vec![net.place(start).at];
-        for leg in &legs {
+        let stop = |p: u32| Corner::stop(net.place(p).at, exact.contains(&p));
+        let mut corners = vec![stop(start)];
+        for (leg, &end) in legs.iter().zip(&stops[1..]) {
             corners.extend(taut::pull(&net, &clearance, leg, person.radius));
+            corners.push(stop(end));
         }
         plan = taut::round(&clearance, &corners, person.radius);
         seen = passed(space, net.place(start).cell, &plan, &sector);
@@ -131,18 +134,19 @@ pub fn tour(level: &Level, graph: &CellGraph, space: &Space, person: &Person) ->
         if missing.is_empty() {
             break;
         }
-        stops::insert(&net, allowed, &mut stops, &legs, &sectors, missing);
+        exact.extend(stops::insert(
+            &net, allowed, &mut stops, &legs, &sectors, missing,
+        ));
     }
     let points = rise::over(&ground, &plan, false, person.eye, person.radius * 2.0);
     let visits: Vec<SectorId> = (seen.iter())
         .filter(|s| **s < level.sectors.len())
         .map(|&s| SectorId(s as u32))
         .collect();
-    let beyond = |s: usize| {
-        let places = (0..net.places.len()).filter(|&p| sectors[p] == s);
-        places.clone().any(|p| part[p] != NONE)
-    };
-    let missed = missed(level, graph, space, &gates, &visits, beyond);
+    let mut beyond = vec![false; n_sectors];
+    let reached = (0..net.places.len()).filter(|&p| part[p] != NONE);
+    reached.for_each(|p| beyond[sectors[p]] = true);
+    let missed = missed(level, graph, space, &gates, &visits, &beyond);
     Some(Tour {
         points,
         visits,
@@ -152,22 +156,45 @@ pub fn tour(level: &Level, graph: &CellGraph, space: &Space, person: &Person) ->
 }
 
 /// The place to start from.
-fn start(level: &Level, graph: &CellGraph, net: &Net, ground: &Ground) -> Option<u32> {
-    let nearest = |at: DVec2, cell: Option<u32>| {
-        let places = (0..).zip(&net.places);
-        let own = places.filter(|(_, p)| cell.is_none_or(|c| c == p.cell));
-        own.min_by(|(_, p), (_, q)| {
-            p.at.distance_squared(at)
-                .total_cmp(&q.at.distance_squared(at))
-        })
-        .map(|(i, _)| i)
+fn start(
+    level: &Level,
+    graph: &CellGraph,
+    net: &Net,
+    ground: &Ground,
+    sectors: &[usize],
+) -> Option<u32> {
+    let nearest = |at: DVec2, cell: u32| {
+        let own = (0..).zip(&net.places).filter(|(_, p)| p.cell == cell);
+        let off = |p: &Place| p.at.distance_squared(at);
+        own.min_by(|(_, p), (_, q)| off(p).total_cmp(&off(q)))
+            .map(|(i, _)| i)
     };
-    for camera in &level.scene.cameras {
+    let mut by_cameras = level.scene.cameras.iter().filter_map(|camera| {
         let at = camera.eye.truncate();
-        if let Some(cell) = ground.cell_at(at)
-            && let Some(place) = nearest(at, Some(cell.0))
-        {
-            return Some(place);
+        nearest(at, ground.cell_at(at)?.0)
+    });
+    if level.interior == Interior::Sides {
+        if let Some(first) = by_cameras.next() {
+            return Some(first);
+        }
+    } else {
+        let mut known: Vec<(u32, Vec<u32>)> = Vec::new();
+        for place in by_cameras {
+            // Whoever starts where another can come to and from reaches the same.
+            if !known.iter().any(|(_, part)| part[place as usize] == 0) {
+                known.push((place, parts(net, place).0));
+            }
+        }
+        let count = |part: &[u32]| {
+            let mut seen = vec![false; level.sectors.len().max(1)];
+            let reached = (part.iter().zip(sectors)).filter(|(p, _)| **p != NONE);
+            reached.for_each(|(_, &s)| seen[s] = true);
+            seen.into_iter().filter(|s| *s).count()
+        };
+        // The last of the largest from behind is the first.
+        let most = known.iter().rev().max_by_key(|(_, part)| count(part));
+        if let Some((place, _)) = most {
+            return Some(*place);
         }
     }
     let largest = graph
@@ -178,7 +205,7 @@ fn start(level: &Level, graph: &CellGraph, net: &Net, ground: &Ground) -> Option
     let n = middle.len() as f64;
     let sum: DVec2 = middle.iter().map(|&v| graph.vertices.approx(v)).sum();
     let at = graph.grid.offset_to_level(sum.x / n, sum.y / n);
-    nearest(at, Some(largest.0))
+    nearest(at, largest.0)
 }
 
 /// The parts to go through, one after the other: the way down with most sectors.
@@ -247,7 +274,7 @@ fn missed(
     space: &Space,
     gates: &[Result<(), Barrier>],
     visits: &[SectorId],
-    beyond: impl Fn(usize) -> bool,
+    beyond: &[bool],
 ) -> Vec<(SectorId, Barrier)> {
     let n = level.sectors.len();
     let mut reason: Vec<Option<Barrier>> = vec![None; n];
@@ -281,7 +308,7 @@ fn missed(
             let here = match (reason[from], gates[e]) {
                 (Some(before), _) => before,
                 (None, Err(barrier)) => barrier,
-                (None, Ok(())) if beyond(to) => Barrier::NoWayBack,
+                (None, Ok(())) if beyond[to] => Barrier::NoWayBack,
                 (None, Ok(())) => Barrier::Narrow,
             };
             let better =

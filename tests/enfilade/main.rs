@@ -34,3 +34,4 @@ mod render;
 mod stability;
 mod study;
 mod tidy;
+mod tour;
