@@ -217,7 +217,8 @@ pub fn run(args: &WalkArgs) -> Result<Answer> {
     let counter = Progress::default();
     let start = Instant::now();
     let done = progress::show("drawing frames", args.stage.quiet, &counter, || {
-        draw(args, &stage, &cameras, &mut guide, &folder, &counter)
+        let cameras = (&cameras[..], route.fov);
+        draw(args, &stage, cameras, &mut guide, &folder, &counter)
     })?;
     let drawing = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -333,7 +334,7 @@ fn cameras(args: &WalkArgs, route: &Route) -> Result<Vec<Camera>> {
 fn draw(
     args: &WalkArgs,
     stage: &Stage,
-    cameras: &[Camera],
+    (cameras, fov): (&[Camera], f64),
     guide: &mut Guide,
     folder: &Folder,
     counter: &Progress,
@@ -345,10 +346,10 @@ fn draw(
         Renderer::Trace => painter(stage).ok(),
     };
     let exposure = match args.renderer {
-        Renderer::Trace => steady(args, stage, cameras, guide, &tracer)?,
+        Renderer::Trace => steady(args, stage, (cameras, fov), guide, &tracer)?,
         Renderer::Preview => Exposure::Stops(0.0),
     };
-    let base = key(args, stage, exposure)?;
+    let base = key(args, stage, fov, exposure)?;
     let mut easel = Easel::default();
     counter.begin(cameras.len());
     let (mut list, mut kept) = (Vec::with_capacity(cameras.len()), 0);
@@ -449,7 +450,7 @@ fn frame(
 fn steady(
     args: &WalkArgs,
     stage: &Stage,
-    cameras: &[Camera],
+    (cameras, fov): (&[Camera], f64),
     guide: &Guide,
     tracer: &Tracer,
 ) -> Result<Exposure> {
@@ -463,7 +464,7 @@ fn steady(
     let mut stops = Vec::new();
     for k in 0..n {
         let camera = &cameras[(2 * k + 1) * cameras.len() / (2 * n)];
-        let small = Camera::new(camera.eye, camera.direction(), camera.fov(), SMALL);
+        let small = Camera::new(camera.eye, camera.direction(), fov, SMALL);
         let cell = guide.cell(&small)?;
         let survey = crate::trace::effects::survey(&stage.world, &stage.pvs, cell);
         let mut options = args.trace.options(&survey, asked);
@@ -478,7 +479,7 @@ fn steady(
 }
 
 /// A checksum of all that frames depend on, but for the pose.
-fn key(args: &WalkArgs, stage: &Stage, exposure: Exposure) -> Result<blake3::Hasher> {
+fn key(args: &WalkArgs, stage: &Stage, fov: f64, exposure: Exposure) -> Result<blake3::Hasher> {
     let mut key = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
         key.update(&(bytes.len() as u64).to_le_bytes());
@@ -500,12 +501,12 @@ fn key(args: &WalkArgs, stage: &Stage, exposure: Exposure) -> Result<blake3::Has
     let stage = &args.stage;
     let cells = stage.bsp.options(stage.subdivision.into(), stage.doors.into());
     let rest = match args.renderer {
-        Renderer::Preview => format!("{level:?} {cells:?} {:?} preview", args.size),
+        Renderer::Preview => format!("{level:?} {cells:?} {:?} {fov} preview", args.size),
         Renderer::Trace => {
             let options = args.trace.fixed(exposure);
             let ambient = args.trace.ambient;
             format!(
-                "{level:?} {cells:?} {:?} {options:?} {exposure:?} {ambient} {effects}",
+                "{level:?} {cells:?} {:?} {fov} {options:?} {exposure:?} {ambient} {effects}",
                 args.size
             )
         }

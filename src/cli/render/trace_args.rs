@@ -78,6 +78,17 @@ impl TraceArgs {
     /// For a picture that calls for these effects.
     pub fn options(&self, survey: &Survey, exposure: Exposure) -> RenderOptions {
         RenderOptions {
+            effects: match self.effects {
+                Asked::Auto => survey.needed,
+                Asked::Set(effects) => effects,
+            },
+            ..self.fixed(exposure)
+        }
+    }
+
+    /// What does not depend on the picture; all effects.
+    pub fn fixed(&self, exposure: Exposure) -> RenderOptions {
+        RenderOptions {
             samples: self.samples,
             adaptive: self.adaptive.map(|samples| Adaptive {
                 samples,
@@ -91,10 +102,7 @@ impl TraceArgs {
                 scatter_samples: self.scatter_samples,
             },
             seed: self.seed,
-            effects: match self.effects {
-                Asked::Auto => survey.needed,
-                Asked::Set(effects) => effects,
-            },
+            effects: Effects::ALL,
         }
     }
 }
