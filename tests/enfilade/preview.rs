@@ -66,7 +66,7 @@ struct Seen {
 }
 
 /// The first thing that a ray meets that is no hole, and how far it is along the ray from the eye.
-fn first(tracer: &Tracer, camera: &Camera, start: Departure, at: DVec2) -> (Hit, f64) {
+pub fn first(tracer: &Tracer, camera: &Camera, start: Departure, at: DVec2) -> (Hit, f64) {
     let mut ray = camera.ray(at);
     let (mut from, mut way) = (start, 0.0);
     loop {
@@ -83,7 +83,7 @@ fn first(tracer: &Tracer, camera: &Camera, start: Departure, at: DVec2) -> (Hit,
 }
 
 /// Whether a pixel shows what a ray has met.
-fn same(painter: &Painter, shown: u32, what: What) -> bool {
+pub fn same(painter: &Painter, shown: u32, what: What) -> bool {
     let polygons = painter.polygons();
     let n = polygons.iter().len() as u32;
     match what {

@@ -89,6 +89,15 @@ impl Scene {
 
     /// A map of a WAD; `None`, with a word on standard error, where it is not there.
     pub fn of_wad(path: &str, map: &str) -> Option<Self> {
+        Self::of_wad_changed(path, map, |level| level)
+    }
+
+    /// As [`Scene::of_wad`], with a change to the level.
+    pub fn of_wad_changed(
+        path: &str,
+        map: &str,
+        change: impl FnOnce(Level) -> Level,
+    ) -> Option<Self> {
         let Ok(bytes) = std::fs::read(path) else {
             assert!(
                 std::env::var_os("CI").is_none(),
@@ -99,7 +108,7 @@ impl Scene {
         };
         let wad = wad::Wad::parse(bytes).unwrap();
         let draft = enfilade::level::doom::read_map(&wad, map, path).unwrap();
-        let level = snap::snap(draft).unwrap();
+        let level = change(snap::snap(draft).unwrap());
         let files = Files {
             dress: graphics::pictures(&wad, &level.scene.dress),
             ..Files::default()
