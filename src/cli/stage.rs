@@ -89,6 +89,9 @@ pub fn set(
     });
     let files = timed(&mut reading, || files::read(&level.level, &source, &own))?;
     seconds.read += reading;
+    if !args.quiet {
+        files::warn_of_missing(&source, &own, &files);
+    }
     let world = World::new(&own, &graph, &pvs, &files, ambient);
     let world = world.with_context(|| own.source.clone())?;
     Ok(Stage {

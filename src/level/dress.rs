@@ -39,6 +39,15 @@ pub enum PictureName {
     Flat(String),
 }
 
+impl PictureName {
+    /// The name alone.
+    pub fn as_str(&self) -> &str {
+        match self {
+            Self::Texture(name) | Self::Flat(name) => name,
+        }
+    }
+}
+
 /// What lies on a floor or ceiling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cover {

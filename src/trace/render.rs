@@ -232,7 +232,12 @@ impl Job<'_> {
                     && let Some((surface, cell)) = patch.met
                     && let Some(sheet) = shader.sheet(surface, cell)
                 {
-                    return shader.spread(&sheet, &fan, &patch, (depths, &lit), work, put);
+                    let known = (depths, &lit[..]);
+                    return shader.spread(&sheet, &fan, &patch, known, work, &mut |x, y, list| {
+                        for (x, colour) in (x..).zip(list) {
+                            put(x, y, *colour);
+                        }
+                    });
                 }
                 let across_patch = patch.area.width();
                 patch.mask.rectangles(&patch.area, |part| {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use crate::cli::complain;
 use crate::level::Level;
 use crate::level::doom::graphics;
 use crate::level::read::Source;
@@ -47,6 +48,37 @@ pub fn read(level_file: &Path, source: &Source, level: &Level) -> Result<Files> 
         }
     }
     Ok(files)
+}
+
+/// Says on standard error which pictures a map names that its WAD does not have: maps for a game are often
+/// without the game's own.
+pub fn warn_of_missing(source: &Source, level: &Level, files: &Files) {
+    const NAMED: usize = 3;
+    let named = &level.scene.dress.pictures;
+    let missing: Vec<&str> = (named.iter().zip(&files.dress))
+        .filter(|(_, picture)| picture.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if missing.is_empty() {
+        return;
+    }
+    let why = match source.wad() {
+        Some(wad) if wad.lump_named("PLAYPAL").is_none() => "it has no PLAYPAL, so ",
+        _ => "",
+    };
+    let more = missing.len().saturating_sub(NAMED);
+    let first = missing[..missing.len() - more].join(", ");
+    let more = match more {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    complain(&format!(
+        "warning: {}: {why}{} of {} textures and flats that the map names are not in the WAD ({first}{more}); \
+         such surfaces are drawn bare",
+        level.source,
+        missing.len(),
+        named.len(),
+    ));
 }
 
 /// The files that a level names, beside its own.

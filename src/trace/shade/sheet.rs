@@ -17,7 +17,7 @@ use crate::trace::beam::{Area, Fan, Patch, depth};
 use crate::trace::dress::{Layout, Wardrobe, Wear};
 use crate::trace::light;
 use crate::trace::space::Surface;
-use crate::trace::world::Hit;
+use crate::trace::world::{Hit, World};
 
 /// What the points of a surface share.
 pub struct Sheet<'a> {
@@ -144,7 +144,8 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
     }
 
     /// Colours the pixels of a patch, all on this sheet. `depths` and `lit` go by pixel of the patch's
-    /// rectangle; no `lit` if nothing is known. `out` is told each pixel's place and colour.
+    /// rectangle; no `lit` if nothing is known. `out` is told up to four colours from a pixel on to the
+    /// right.
     pub fn spread(
         &self,
         sheet: &Sheet,
@@ -152,31 +153,73 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
         patch: &Patch,
         (depths, lit): (&[f64], &[Lit]),
         work: &mut Work,
-        mut out: impl FnMut(u32, u32, DVec3),
+        out: &mut dyn FnMut(u32, u32, &[DVec3]),
     ) {
+        let spread = Spread {
+            single: self,
+            world: self.tracer.world,
+            shadows: SHADOWS,
+            sheet,
+            fan,
+            whole: patch.area,
+            depths,
+            lit: if SHADOWS { lit } else { &[] },
+        };
         work.touch(sheet.cell.0);
-        let simd_level = Level::new();
         patch.mask.rectangles(&patch.area, |part| {
             work.rays.primary += part.len() as u64;
-            dispatch!(simd_level, simd => {
-                self.part(simd, sheet, fan, &patch.area, &part, (depths, lit), work, &mut out);
-            });
+            spread.run(&part, work, out);
         });
+    }
+}
+
+/// What single points have to ask. What is below is compiled once for all versions of the shader.
+trait Single {
+    fn light(&self, spot: &Spot, lamp: &Lamp, lit: Lit, finish: &Finish, work: &mut Work) -> DVec3;
+    fn share(&self, hit: &Hit, lamp: &Lamp, direction: DVec3, distance: f64) -> DVec3;
+}
+
+impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER: bool> Single
+    for Shader<'_, SHADOWS, SOFT, SECONDARY, SCATTER>
+{
+    fn light(&self, spot: &Spot, lamp: &Lamp, lit: Lit, finish: &Finish, work: &mut Work) -> DVec3 {
+        let source = &self.tracer.world.lights[lamp.number as usize];
+        let seen = (light::middle(source), lit.of(lamp.bit));
+        self.light_from(spot, finish, lamp.number, seen, work)
+    }
+
+    fn share(&self, hit: &Hit, lamp: &Lamp, direction: DVec3, distance: f64) -> DVec3 {
+        self.visible(hit, lamp.number, direction, distance)
+    }
+}
+
+/// A patch to be coloured.
+struct Spread<'s> {
+    single: &'s dyn Single,
+    world: &'s World,
+    shadows: bool,
+    sheet: &'s Sheet<'s>,
+    fan: &'s Fan,
+    /// The patch's rectangle, whose pixels have these depths and lights.
+    whole: Area,
+    depths: &'s [f64],
+    lit: &'s [Lit],
+}
+
+impl Spread<'_> {
+    fn run(&self, part: &Area, work: &mut Work, out: &mut dyn FnMut(u32, u32, &[DVec3])) {
+        dispatch!(Level::new(), simd => self.part(simd, part, work, out));
     }
 
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     fn part<S: Simd>(
         &self,
         simd: S,
-        sheet: &Sheet,
-        fan: &Fan,
-        whole: &Area,
         part: &Area,
-        (depths, lit): (&[f64], &[Lit]),
         work: &mut Work,
-        out: &mut impl FnMut(u32, u32, DVec3),
+        out: &mut dyn FnMut(u32, u32, &[DVec3]),
     ) {
+        let (whole, depths) = (&self.whole, self.depths);
         for y in part.y.0..part.y.1 {
             let row = (y - whole.y.0) as usize * whole.width() as usize;
             let mut x = part.x.0;
@@ -186,13 +229,11 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
                 let mut t = [depths[i + n - 1]; 4];
                 t[..n].copy_from_slice(&depths[i..i + n]);
                 let mut known = [Lit::default(); 4];
-                if SHADOWS && !lit.is_empty() {
-                    known[..n].copy_from_slice(&lit[i..i + n]);
+                if !self.lit.is_empty() {
+                    known[..n].copy_from_slice(&self.lit[i..i + n]);
                 }
-                let colours = self.four(simd, sheet, fan, [x, y], n, (t, known), work);
-                for (k, colour) in colours.into_iter().take(n).enumerate() {
-                    out(x + k as u32, y, colour);
-                }
+                let colours = self.four(simd, [x, y], n, (t, known), work);
+                out(x, y, &colours[..n]);
                 x += 4;
             }
         }
@@ -200,17 +241,15 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
 
     /// Four pixels side by side, of which the first `n` count.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     fn four<S: Simd>(
         &self,
         simd: S,
-        sheet: &Sheet,
-        fan: &Fan,
         [x, y]: [u32; 2],
         n: usize,
         (t, lit): ([f64; 4], [Lit; 4]),
         work: &mut Work,
     ) -> [DVec3; 4] {
+        let (sheet, fan) = (self.sheet, self.fan);
         let d = depth::directions(simd, fan, x, y);
         let ts = f64x4::simd_from(simd, t);
         let o = splat(simd, fan.origin);
@@ -218,7 +257,7 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
         if let Some(level) = sheet.level {
             p[2] = f64x4::splat(simd, level);
         }
-        let colour = self.coats(simd, sheet, t, p);
+        let colour = self.coats(simd, t, p);
         let view = |k: usize| -fan.ray(x + k as u32, y).direction.normalize();
         let mut sum = splat(simd, DVec3::ZERO);
         for lamp in &sheet.lamps {
@@ -232,9 +271,7 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
                         normal: sheet.normal,
                         colour: lane(&colour, k),
                     };
-                    let source = &self.tracer.world.lights[lamp.number as usize];
-                    let seen = (light::middle(source), lit.of(lamp.bit));
-                    let more = self.light_from(&spot, sheet.finish, lamp.number, seen, work);
+                    let more = self.single.light(&spot, lamp, lit, sheet.finish, work);
                     add(simd, &mut sum, k, more);
                 }
                 continue;
@@ -267,7 +304,7 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
             let come = splat(simd, intensity);
             let more: Three<S> = std::array::from_fn(|c| (come[c] * attenuation) * reflected[c]);
             let mut reach = counts;
-            if SHADOWS {
+            if self.shadows {
                 work.rays.shadow += u64::from(counts.count_ones());
                 let mut unknown = 0;
                 for (k, lit) in lit.into_iter().enumerate() {
@@ -280,7 +317,7 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
                 for k in (0..n).filter(|k| (unknown & counts) >> k & 1 == 1) {
                     reach &= !(1 << k);
                     let hit = hit(sheet, t[k], lane(&p, k));
-                    let share = self.visible(&hit, lamp.number, lane(&l, k), distance[k]);
+                    let share = self.single.share(&hit, lamp, lane(&l, k), distance[k]);
                     add(simd, &mut sum, k, lane(&more, k) * share);
                 }
             }
@@ -299,7 +336,8 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
 
     /// The diffuse colours of four points.
     #[inline(always)]
-    fn coats<S: Simd>(&self, simd: S, sheet: &Sheet, t: [f64; 4], p: Three<S>) -> Three<S> {
+    fn coats<S: Simd>(&self, simd: S, t: [f64; 4], p: Three<S>) -> Three<S> {
+        let sheet = self.sheet;
         let colours: [DVec3; 4] = match &sheet.coat {
             &Coat::Plain(colour) => return splat(simd, colour),
             Coat::Texels(wardrobe, layout) => {
@@ -313,7 +351,7 @@ impl<'a, const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCA
             }
             Coat::Picture => std::array::from_fn(|k| {
                 let hit = hit(sheet, t[k], lane(&p, k));
-                sheet.finish.colour(self.tracer.world, &hit)
+                sheet.finish.colour(self.world, &hit)
             }),
         };
         std::array::from_fn(|c| f64x4::simd_from(simd, colours.map(|v| v[c])))
