@@ -402,6 +402,7 @@ fn named_paths_cross_no_wall_and_no_object() {
                     near = near.min(distance(a, [*c, *d]));
                 }
             }
+            assert!(near > 0.1, "{}, {}: {near}", level.name, path.name);
             println!(
                 "{}, {}: {:.0} s, {near:.2} from walls",
                 level.name,
