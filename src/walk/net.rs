@@ -249,7 +249,7 @@ fn lay(
             if middles.contains_key(&place) || clearance.taken(at) {
                 return;
             }
-            let clear = clearance.all.from_point(at);
+            let clear = clearance.all.distance(at);
             middles.insert(place, clear);
             if clear >= enough {
                 best.insert(place, Place { at, cell, clear });
@@ -269,7 +269,7 @@ fn lay(
             if hopeless || clearance.taken(at) {
                 return;
             }
-            let clear = clearance.all.from_point(at);
+            let clear = clearance.all.distance(at);
             if clear >= known && best.get(&place).is_none_or(|b| clear > b.clear) {
                 best.insert(place, Place { at, cell, clear });
             }
@@ -309,7 +309,7 @@ fn lay(
             .map(|e| space.vertex(space.edge(e).from))
             .sum::<DVec2>()
             / n;
-        let clear = clearance.all.from_point(at);
+        let clear = clearance.all.distance(at);
         if clear >= enough && !clearance.taken(at) {
             has_place[s] = true;
             tiles

@@ -63,7 +63,7 @@ impl Obstacles {
     }
 
     /// Distance of the nearest line, at most the reach.
-    pub fn from_point(&self, p: DVec2) -> f64 {
+    pub fn distance(&self, p: DVec2) -> f64 {
         let reach = DVec2::splat(self.reach);
         let mut least = self.reach * self.reach;
         for bucket in self.range(p - reach, p + reach) {
@@ -208,14 +208,14 @@ mod tests {
                 let way = [at() * 1.2, at() * 1.2];
                 let point = lines.iter().map(|l| to_line(way[0], *l).sqrt());
                 let point = point.fold(1.5, f64::min);
-                assert!((obstacles.from_point(way[0]) - point).abs() < 1e-12);
+                assert!((obstacles.distance(way[0]) - point).abs() < 1e-12);
                 let least = lines.iter().map(|l| between(way, *l).sqrt());
                 let least = least.fold(f64::INFINITY, f64::min);
                 assert_eq!(obstacles.clear(way, 0.7), least > 0.7);
             }
         }
         let none = Obstacles::new(Vec::new(), 2.0);
-        assert_eq!(none.from_point(DVec2::X), 2.0);
+        assert_eq!(none.distance(DVec2::X), 2.0);
         assert!(none.clear([DVec2::ZERO, DVec2::X], 1.0));
     }
 
