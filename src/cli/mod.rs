@@ -14,9 +14,11 @@ mod picture;
 mod plan;
 mod progress;
 mod render;
+mod stage;
 mod study;
 mod summary;
 mod verify;
+mod walk;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -41,6 +43,7 @@ enum Command {
     Plan(plan::PlanArgs),
     Render(render::RenderArgs),
     Study(study::StudyArgs),
+    Walk(walk::WalkArgs),
 }
 
 /// What a command that ran to its end has to say.
@@ -76,6 +79,7 @@ pub fn main(memory: Option<Memory>) -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Study(args) => study::run(&args, memory),
+        Command::Walk(args) => walk::run(&args),
     };
     match result {
         Ok(Answer::Yes) => ExitCode::SUCCESS,

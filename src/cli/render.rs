@@ -1,30 +1,32 @@
 //! `enfilade render`: a picture of a level from an eye.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use image::ImageEncoder;
 
-use super::compute::{self, timed};
-use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
+use super::compute::timed;
+use super::level_args::LevelArgs;
 use super::output::{self, Output};
+use super::stage::{self, Stage, StageArgs};
 use super::{Answer, complain, progress};
-use crate::cells::{CellGraph, Locator, subdivide};
-use crate::pvs::{Progress, sweep};
+use crate::cells::Locator;
+use crate::preview::{self, Culling, Easel, Painter};
+use crate::pvs::Progress;
 use crate::trace::Tracer;
 use crate::trace::accel::Kind;
 use crate::trace::camera::Camera;
-use crate::trace::effects::{Effect, Effects, Survey, survey};
-use crate::trace::picture::Exposure;
-use crate::trace::render::{Adaptive, RenderOptions, Rendered, render};
-use crate::trace::shade::Limits;
-use crate::trace::world::{World, locate};
+use crate::trace::effects::{Effect, survey};
+use crate::trace::render::{Rendered, render};
+use crate::trace::world::locate;
 
 pub mod files;
+pub mod trace_args;
 pub mod viewpoint;
 
+use trace_args::{Asked, TraceArgs};
 use viewpoint::{ViewArgs, Viewpoint};
 
 /// The ambient term of places that have no brightness of their own.
@@ -43,70 +45,26 @@ pub struct RenderArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "960x600", value_parser = viewpoint::size)]
     size: [u32; 2],
-    /// Samples in each pixel; 1: through its middle
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    samples: u32,
-    /// So many samples in pixels that differ from their neighbours
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
-    adaptive: Option<u32>,
-    /// With --adaptive: the difference, from 0 to 1 (black to white)
-    #[arg(long, value_name = "D", default_value_t = 0.05, value_parser = positive)]
-    contrast: f64,
-    /// Most reflections and refractions in a row
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    #[arg(value_parser = clap::value_parser!(u32).range(0..=1000))]
-    depth: u32,
-    /// Rays whose share of the pixel is smaller are not cast
-    #[arg(long, value_name = "SHARE", default_value_t = 1.0 / 256.0, value_parser = not_negative)]
-    threshold: f64,
-    /// Shadow rays to each light with an extent, per pixel
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    light_samples: u32,
-    /// Rays into the cone of a rough surface, per pixel
-    #[arg(long, value_name = "N", default_value_t = 16)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    scatter_samples: u32,
-    /// What is simulated: auto (what can matter), all, none, or some of shadows, soft, mirror, glossy,
-    /// refraction, translucency, textures, with commas between them
-    #[arg(long, value_name = "LIST", default_value = "auto", value_parser = effects)]
-    effects: Asked,
-    /// Stops by which light is brightened (or darkened, below 0) [default: as the picture asks for;
-    /// 1.5 for Doom maps]
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = finite)]
-    exposure: Option<f64>,
-    /// Light that is everywhere, where the level does not say how bright its places are
-    #[arg(long, value_name = "IA", default_value_t = AMBIENT, value_parser = not_negative)]
-    ambient: f64,
-    /// Seed of all that is random
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// How rays find what they meet: portal (from cell to cell), or brute, bvh-median-boxes … for
     /// comparison; the picture is the same
     #[arg(long, value_name = "NAME", default_value = "portal", value_parser = structure)]
     structure: Found,
-    /// How the plan is cut into cells
-    #[arg(long, value_enum, value_name = "HOW", default_value = "bsp")]
-    subdivision: SubdivisionArg,
-    /// Whether doors that stand closed count as walls
-    #[arg(long, value_enum, value_name = "STATE", default_value = "open")]
-    doors: DoorsArg,
-    /// Threads to compute with [default: all processors]
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Print errors only
-    #[arg(long, short)]
-    quiet: bool,
+    /// Ray tracing, or the polygons painted from back to front
+    #[arg(long, value_enum, value_name = "HOW", default_value = "trace")]
+    renderer: Renderer,
     #[command(flatten)]
-    bsp: BspArgs,
+    stage: StageArgs,
 }
 
-/// What `--effects` asks for.
-#[derive(Clone, Copy, Debug)]
-enum Asked {
-    Auto,
-    Set(Effects),
+/// How pictures are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Renderer {
+    /// By ray tracing
+    Trace,
+    /// By painting polygons from back to front
+    Preview,
 }
 
 /// What `--structure` asks for.
@@ -114,15 +72,6 @@ enum Asked {
 enum Found {
     Portal,
     By(Kind),
-}
-
-fn effects(text: &str) -> Result<Asked, String> {
-    Ok(match text {
-        "auto" => Asked::Auto,
-        "all" => Asked::Set(Effects::ALL),
-        "none" => Asked::Set(Effects::NONE),
-        list => Asked::Set(list.parse()?),
-    })
 }
 
 fn structure(text: &str) -> Result<Found, String> {
@@ -135,33 +84,17 @@ fn structure(text: &str) -> Result<Found, String> {
     }
 }
 
-fn finite(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|x: &f64| x.is_finite());
-    number.ok_or_else(|| "a number is needed".to_string())
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    finite(text)
-        .ok()
-        .filter(|&x| x >= 0.0)
-        .ok_or_else(|| "a number from 0 on is needed".to_string())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    finite(text)
-        .ok()
-        .filter(|&x| x > 0.0)
-        .ok_or_else(|| "a number above 0 is needed".to_string())
-}
-
-/// How long each stage took, in seconds.
-#[derive(Default)]
-struct Seconds {
-    read: f64,
-    subdivide: f64,
-    visibility: f64,
-    render: f64,
-    write: f64,
+/// A picture and what there is to say of it.
+struct Drawn {
+    /// sRGB, three bytes to a pixel.
+    bytes: Vec<u8>,
+    /// Which picture it is.
+    name: String,
+    seconds: f64,
+    /// Lines about cells, rays or polygons.
+    work: String,
+    /// Lines about effects.
+    effects: String,
 }
 
 /// Runs `enfilade render`.
@@ -170,60 +103,33 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
     args.view.check()?;
     // Found out now; written only at the end, so that nothing stays behind when it is broken off.
     drop(Output::create(&args.output)?);
-    let pool = compute::pool(args.threads)?;
-    let mut seconds = Seconds::default();
-    let mut reading = 0.0;
-    let (source, level) = timed(&mut seconds.read, || -> Result<_> {
-        let source = open(&args.level.level)?;
-        let level = source.level(args.level.map.as_deref())?;
-        Ok((source, level))
-    })?;
-    if !args.quiet {
-        warn_of(&level.findings);
-    }
-    let options = args.bsp.options(args.subdivision.into(), args.doors.into());
-    let graph = timed(&mut seconds.subdivide, || subdivide(&level, &options));
-    let pvs = timed(&mut seconds.visibility, || {
-        let counter = Progress::default();
-        progress::show("finding what is visible", args.quiet, &counter, || {
-            pool.install(|| sweep::sweep(&graph, &counter))
-        })
-    });
-    let read = timed(&mut reading, || {
-        files::read(&args.level.level, &source, &level)
-    })?;
-    seconds.read += reading;
-    let world = World::new(&level, &graph, &pvs, &read, args.ambient)
-        .with_context(|| level.source.clone())?;
-    let locator = Locator::new(&graph);
-    let view = Viewpoint::choose(&args.view, &level, &graph, &world)?;
-    let start = locate(&world, &graph, &locator, view.eye)?;
-    let survey = survey(&world, &pvs, start);
-    let exposure = exposure(args, &world);
-    let options = render_options(args, &survey, exposure);
-    let camera = Camera::new(view.eye, view.direction, view.fov, args.size);
-    let tracer = match args.structure {
-        Found::Portal => Tracer::new(&world),
-        Found::By(Kind::Brute) => Tracer::brute(&world),
-        Found::By(kind) => Tracer::with_structure(&world, kind),
+    let stage = stage::set(&args.level, &args.stage, args.trace.ambient, |level| level)?;
+    let drawn = match args.renderer {
+        Renderer::Trace => traced(args, &stage)?,
+        Renderer::Preview => painted(args, &stage)?,
     };
-    let rendered = timed(&mut seconds.render, || {
-        let counter = Progress::default();
-        progress::show("drawing pixels", args.quiet, &counter, || {
-            pool.install(|| render(&tracer, &camera, start, &options, &counter))
-        })
-    });
-    timed(&mut seconds.write, || write(args, &rendered, exposure))?;
-    if !args.quiet {
-        let seen = pvs.seen_from(start).count();
-        let text = summary(
-            args, &view, &graph, seen, &survey, &options, &rendered, exposure, &seconds,
-        );
-        if output::is_stdout(&args.output) {
-            complain(text.trim_end());
-        } else {
-            output::print(&text)?;
-        }
+    let mut writing = 0.0;
+    timed(&mut writing, || write(&args.output, args.size, &drawn.bytes))?;
+    if args.stage.quiet {
+        return Ok(Answer::Yes);
+    }
+    let [width, height] = args.size;
+    let seconds = &stage.seconds;
+    let text = format!(
+        "picture     {width} × {height}, {}\n{}seconds     read {:.3}, subdivide {:.3}, visibility {:.3}, \
+         render {:.3}, write {writing:.3}\n{}",
+        drawn.name,
+        drawn.work,
+        seconds.read,
+        seconds.subdivide,
+        seconds.visibility,
+        drawn.seconds,
+        drawn.effects,
+    );
+    if output::is_stdout(&args.output) {
+        complain(text.trim_end());
+    } else {
+        output::print(&text)?;
     }
     Ok(Answer::Yes)
 }
@@ -240,92 +146,49 @@ fn must_be_png(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-/// As asked for. A Doom map says itself how bright its places are; its textures are dark, though, and
-/// the game brightens what is near.
-fn exposure(args: &RenderArgs, world: &World) -> Exposure {
-    const DOOM: Exposure = Exposure::Stops(1.5);
-    let usual = if world.wardrobe.is_some() {
-        DOOM
-    } else {
-        Exposure::Auto
+/// Draws by rays.
+fn traced(args: &RenderArgs, stage: &Stage) -> Result<Drawn> {
+    let (world, graph) = (&stage.world, &stage.graph);
+    let view = Viewpoint::choose(&args.view, &stage.level, graph, world)?;
+    let start = locate(world, graph, &Locator::new(graph), view.eye)?;
+    let survey = survey(world, &stage.pvs, start);
+    let exposure = args.trace.exposure(world);
+    let options = args.trace.options(&survey, exposure);
+    let camera = Camera::new(view.eye, view.direction, view.fov, args.size);
+    let tracer = match args.structure {
+        Found::Portal => Tracer::new(world),
+        Found::By(Kind::Brute) => Tracer::brute(world),
+        Found::By(kind) => Tracer::with_structure(world, kind),
     };
-    args.exposure.map_or(usual, Exposure::Stops)
-}
-
-fn render_options(args: &RenderArgs, survey: &Survey, exposure: Exposure) -> RenderOptions {
-    RenderOptions {
-        samples: args.samples,
-        adaptive: args.adaptive.map(|samples| Adaptive {
-            samples,
-            contrast: args.contrast,
-            exposure,
-        }),
-        limits: Limits {
-            depth: args.depth,
-            threshold: args.threshold,
-            light_samples: args.light_samples,
-            scatter_samples: args.scatter_samples,
-        },
-        seed: args.seed,
-        effects: match args.effects {
-            Asked::Auto => survey.needed,
-            Asked::Set(effects) => effects,
-        },
-    }
-}
-
-/// Writes the picture, whole or not at all.
-fn write(args: &RenderArgs, rendered: &Rendered, exposure: Exposure) -> Result<()> {
-    let [width, height] = rendered.picture.size;
-    let bytes = rendered.picture.srgb(exposure);
-    let mut png = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut png)
-        .write_image(&bytes, width, height, image::ExtendedColorType::Rgb8)
-        .context("the picture cannot be encoded")?;
-    let mut file = Output::create(&args.output)?;
-    file.write(|out| out.write_all(&png))?;
-    output::commit([file])
-}
-
-/// What there is to say of a finished picture.
-#[allow(clippy::too_many_arguments)]
-fn summary(
-    args: &RenderArgs,
-    view: &Viewpoint,
-    graph: &CellGraph,
-    seen: usize,
-    survey: &Survey,
-    options: &RenderOptions,
-    rendered: &Rendered,
-    exposure: Exposure,
-    seconds: &Seconds,
-) -> String {
-    let mut text = String::new();
-    let [width, height] = args.size;
+    let mut seconds = 0.0;
+    let rendered: Rendered = timed(&mut seconds, || {
+        let counter = Progress::default();
+        progress::show("drawing pixels", args.stage.quiet, &counter, || {
+            let draw = || render(&tracer, &camera, start, &options, &counter);
+            stage.pool.install(draw)
+        })
+    });
+    let mut work = String::new();
     let rays = &rendered.work.rays;
-    let factor = rendered.picture.factor(exposure);
-    _ = writeln!(text, "picture     {width} × {height}, {}", view.name);
     _ = writeln!(
-        text,
-        "cells       {} in the level, {seen} in the eye's PVS, {} touched",
+        work,
+        "cells       {} in the level, {} in the eye's PVS, {} touched",
         graph.cells.len(),
+        stage.pvs.seen_from(start).count(),
         rendered.work.n_touched()
     );
     _ = writeln!(
-        text,
+        work,
         "rays        {} primary, {} shadow, {} reflected, {} passing through",
         rays.primary, rays.shadow, rays.reflected, rays.refracted
     );
-    if args.adaptive.is_some() {
-        _ = writeln!(text, "refined     {} pixels", rendered.refined);
+    if args.trace.adaptive.is_some() {
+        _ = writeln!(work, "refined     {} pixels", rendered.refined);
     }
-    _ = writeln!(text, "exposure    {:+.2} stops", factor.log2());
-    _ = writeln!(
-        text,
-        "seconds     read {:.3}, subdivide {:.3}, visibility {:.3}, render {:.3}, write {:.3}",
-        seconds.read, seconds.subdivide, seconds.visibility, seconds.render, seconds.write
-    );
-    let asked = matches!(args.effects, Asked::Set(_));
+    let factor = rendered.picture.factor(exposure);
+    _ = writeln!(work, "exposure    {:+.2} stops", factor.log2());
+    let mut effects = String::new();
+    let asked = matches!(args.trace.effects, Asked::Set(_));
     for verdict in &survey.verdicts {
         let on = options.effects.has(verdict.effect);
         let note = match (asked, on == verdict.needed) {
@@ -334,12 +197,83 @@ fn summary(
             _ => "",
         };
         _ = writeln!(
-            text,
+            effects,
             "{:<11} {:<3}  {}{note}",
             Effect::as_str(verdict.effect),
             if on { "on" } else { "off" },
             verdict.reason
         );
     }
-    text
+    Ok(Drawn {
+        bytes: rendered.picture.srgb(exposure),
+        name: view.name,
+        seconds,
+        work,
+        effects,
+    })
+}
+
+/// Paints polygons, and says what each way to choose them costs.
+fn painted(args: &RenderArgs, stage: &Stage) -> Result<Drawn> {
+    let view = Viewpoint::choose(&args.view, &stage.level, &stage.graph, &stage.world)?;
+    let camera = Camera::new(view.eye, view.direction, view.fov, args.size);
+    let painter = painter(stage)?;
+    let mut easel = Easel::default();
+    let mut work = String::new();
+    let mut seconds = 0.0;
+    for culling in Culling::ALL {
+        let options = preview::Options {
+            culling,
+            order: preview::Order::BackToFront,
+            objects: true,
+            surfaces: false,
+        };
+        let draw = || painter.draw(&camera, &options, &mut easel);
+        let figures = timed(&mut seconds, || stage.pool.install(draw))?;
+        _ = writeln!(
+            work,
+            "{:<11} {} cells, {} polygons, {} painted, overdraw {:.2}, {:.1} ms",
+            match culling {
+                Culling::None => "all",
+                Culling::Pvs => "PVS",
+                Culling::Eye => "seen",
+            },
+            figures.cells,
+            figures.polygons,
+            figures.painted,
+            figures.overdraw(),
+            seconds * 1e3,
+        );
+    }
+    Ok(Drawn {
+        bytes: easel.canvas.srgb(),
+        name: view.name,
+        seconds,
+        work,
+        effects: String::new(),
+    })
+}
+
+/// A painter for a level; cells cut by no lines cannot be put in order.
+pub fn painter(stage: &Stage) -> Result<Painter<'_>> {
+    let painter = Painter::new(
+        &stage.world,
+        &stage.graph,
+        &stage.pvs,
+        preview::Finish::Textured,
+    );
+    painter.context(
+        "the preview needs cells that were cut by lines; leave --subdivision cdt out, or use kd",
+    )
+}
+
+/// Writes the picture, whole or not at all.
+fn write(path: &Path, [width, height]: [u32; 2], bytes: &[u8]) -> Result<()> {
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png)
+        .write_image(bytes, width, height, image::ExtendedColorType::Rgb8)
+        .context("the picture cannot be encoded")?;
+    let mut file = Output::create(path)?;
+    file.write(|out| out.write_all(&png))?;
+    output::commit([file])
 }

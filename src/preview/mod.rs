@@ -1,23 +1,41 @@
 //! From a level's cells to pictures without rays: its polygons painted from back to front.
 //!
-//! In: a [`Space`](crate::trace::Space), the [`Tree`](crate::cells::Tree) that split the plan, a
-//! camera, and which cells to draw. Out: a [`Canvas`] with a colour and a surface for every pixel, and
-//! what that cost ([`Figures`]). There is no depth buffer: a later polygon covers earlier ones, and the
-//! tree says in which order that is right. Source: lecture, "BSP tree: Hidden Surface Removal", "BSP
-//! tree: Painting".
+//! In: a [`World`](crate::trace::world::World) with its cells and PVS, made ready once as a [`Painter`];
+//! a camera, and [`Options`]: which cells to draw and in which order. Out: on an [`Easel`] a [`Canvas`] with a
+//! colour for every pixel, and what that cost ([`Figures`]). There is no depth buffer: a later polygon
+//! covers earlier ones, and the tree says in which order that is right. Source: lecture, "BSP tree:
+//! Hidden Surface Removal", "BSP tree: Painting", "Eye-to-Cell Visibility".
 //!
 //! | file | what |
 //! |---|---|
 //! | [`polygon`] | walls, steps, lintels, panes, floors and ceilings of each cell; back-face culling |
 //! | [`border`] | borders of polygons as planes through the eye, exactly the same for neighbours |
-//! | [`canvas`] | rows of pixels between borders, shaded in perspective |
-//! | [`paint`](mod@paint) | the order, the culling, the figures |
+//! | [`coat`] | what polygons are painted with: colours, pictures, the sky, glass; light |
+//! | [`culling`] | which cells are painted: all, the PVS, or what the eye sees |
+//! | [`view`](mod@view) | polygons as a camera sees them |
+//! | [`fill`](mod@fill) | rows of pixels, in perspective |
+//! | [`objects`] | what stands in the cells, by rays, in the cells' turn |
+//! | [`draw`] | the order, the figures, bands of rows on threads |
+//! | [`canvas`] | the picture |
+//!
+//! # Two orders
+//!
+//! Backwards through the same list, the nearest polygon comes first. Painting only on pixels that are
+//! still free then paints each pixel once, and may stop when none is left; glass and gratings wait, and
+//! are painted at the end, the farthest first. Both orders give the same bytes.
 
 pub mod border;
 pub mod canvas;
-pub mod paint;
+pub mod coat;
+pub mod culling;
+pub mod draw;
+pub mod fill;
+pub mod objects;
 pub mod polygon;
+pub mod view;
 
-pub use canvas::{Canvas, Coat};
-pub use paint::{Figures, paint};
+pub use canvas::Canvas;
+pub use coat::{Coats, Finish};
+pub use culling::Culling;
+pub use draw::{Easel, Figures, Options, Order, Painter};
 pub use polygon::{Polygon, Polygons};

@@ -60,6 +60,18 @@ impl Polygons {
         &self.list[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
 
+    /// Number of the first polygon of a cell, in [`Polygons::iter`].
+    #[inline]
+    pub fn first_in(&self, cell: CellId) -> u32 {
+        self.first[cell.0 as usize]
+    }
+
+    /// The polygon of that number.
+    #[inline]
+    pub fn get(&self, number: u32) -> &Polygon {
+        &self.list[number as usize]
+    }
+
     /// All, cell after cell.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Polygon> {
         self.list.iter()

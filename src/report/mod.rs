@@ -7,4 +7,5 @@ pub mod picture;
 pub mod plan;
 pub mod prt;
 pub mod sightlines;
+pub mod walkthrough;
 pub mod wording;

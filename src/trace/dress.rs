@@ -33,7 +33,7 @@ use crate::level::{Level, SectorId, WallKind};
 /// Row of the sky's picture that lies at the horizon.
 const HORIZON: f64 = 100.0;
 /// Columns of the sky in a full turn.
-const SKY_TURN: f64 = 1024.0;
+pub const SKY_TURN: f64 = 1024.0;
 /// Rows over which the upper part of the sky fades into one colour.
 const SKY_FADE: f64 = 24.0;
 /// How much darker or lighter walls along an axis are, on the scale of sector light.
@@ -75,12 +75,16 @@ pub enum Wear {
 /// `down · p + at.y`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
-    picture: u32,
-    pub(super) across: DVec3,
-    pub(super) down: DVec3,
-    pub(super) at: DVec2,
+    /// Index into [`Wardrobe::pictures`].
+    pub picture: u32,
+    /// Texels to the right for a unit along each axis.
+    pub across: DVec3,
+    /// Texels down.
+    pub down: DVec3,
+    /// Where the origin of coordinates lies.
+    pub at: DVec2,
     /// Not repeated upwards and downwards.
-    once: bool,
+    pub once: bool,
 }
 
 /// What a ray sees in a point of a surface.
@@ -215,11 +219,14 @@ impl Wardrobe {
 
     /// The sky's colour in a direction, linear, if there is a picture of it.
     pub fn sky(&self, direction: DVec3) -> Option<DVec3> {
+        let place = sky_place(direction);
+        self.sky_at(place.x, place.y)
+    }
+
+    /// The sky's colour in a place of its picture, linear, if there is one.
+    pub fn sky_at(&self, column: f64, row: f64) -> Option<DVec3> {
         let sky = self.sky.as_ref()?;
         let picture = &self.pictures[sky.picture as usize];
-        let flat = direction.truncate();
-        let column = flat.to_angle() / TAU * SKY_TURN;
-        let row = HORIZON - direction.z / flat.length() * (SKY_TURN / TAU);
         // Straight up and down there is no column.
         if row.is_nan() || row < 0.0 {
             return Some(sky.top);
@@ -229,6 +236,17 @@ impl Wardrobe {
         let texel = self.colour(picture, column as usize, row.min(last) as usize);
         let texel = texel.unwrap_or(sky.top);
         Some(sky.top.lerp(texel, (row / SKY_FADE).min(1.0)))
+    }
+
+    /// Columns and rows of the sky's picture, if there is one.
+    pub fn sky_size(&self) -> Option<[u32; 2]> {
+        let picture = &self.pictures[self.sky.as_ref()?.picture as usize];
+        Some([picture.width, picture.height])
+    }
+
+    /// The pictures that are worn; those that are missing are empty.
+    pub fn pictures(&self) -> &[Picture] {
+        &self.pictures
     }
 
     /// `None` where the picture is clear.
@@ -267,6 +285,15 @@ fn repeated(at: f64, n: u32) -> usize {
     } else {
         at.rem_euclid(n as i32) as usize
     }
+}
+
+/// Where the sky's picture shows in a direction: column, running to the left, and row; negative above
+/// the picture.
+pub fn sky_place(direction: DVec3) -> DVec2 {
+    let flat = direction.truncate();
+    let column = flat.to_angle() / TAU * SKY_TURN;
+    let row = HORIZON - direction.z / flat.length() * (SKY_TURN / TAU);
+    DVec2::new(column, row)
 }
 
 /// Of the linedef on which an edge lies: what hangs on it, and on its side towards the edge's cell.

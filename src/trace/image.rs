@@ -28,6 +28,18 @@ impl Image {
         })
     }
 
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The pixels, row after row.
+    pub fn pixels(&self) -> impl ExactSizeIterator<Item = DVec3> + '_ {
+        self.pixels
+            .iter()
+            .map(|p| DVec3::from_array(p.map(f64::from)))
+    }
+
     /// Height by width.
     pub fn aspect(&self) -> f64 {
         f64::from(self.height) / f64::from(self.width)

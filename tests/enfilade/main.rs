@@ -35,3 +35,4 @@ mod stability;
 mod study;
 mod tidy;
 mod tour;
+mod walking;

@@ -28,7 +28,12 @@ pub const FREEDOOM: &str = "/usr/share/games/doom/freedoom1.wad";
 
 impl Scene {
     pub fn new(level: Level, files: &Files, ambient: f64) -> Self {
-        let graph = subdivide(&level, &Options::default());
+        Self::split(level, files, ambient, &Options::default())
+    }
+
+    /// With cells of a certain kind.
+    pub fn split(level: Level, files: &Files, ambient: f64, options: &Options) -> Self {
+        let graph = subdivide(&level, options);
         let pvs = sweep::sweep(&graph, &Progress::default());
         let world = World::new(&level, &graph, &pvs, files, ambient).unwrap();
         Self {
@@ -47,6 +52,11 @@ impl Scene {
 
     /// One of the sample levels, with its meshes and textures.
     pub fn sample(name: &str) -> Self {
+        Self::sample_split(name, &Options::default())
+    }
+
+    /// One of them with cells of a certain kind.
+    pub fn sample_split(name: &str, options: &Options) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
         let text = std::fs::read(folder.join(format!("{name}.toml"))).unwrap();
         let level = read::read(text, "scene.toml", None).unwrap();
@@ -69,22 +79,36 @@ impl Scene {
                 .pictures
                 .insert(texture.file.clone(), picture.unwrap());
         }
-        Self::new(level, &files, 0.12)
+        Self::split(level, &files, 0.12, options)
     }
 
     /// A map of Freedoom; `None`, with a word on standard error, where it is not installed.
     pub fn freedoom(map: &str) -> Option<Self> {
-        let Ok(bytes) = std::fs::read(FREEDOOM) else {
+        Self::of_wad(FREEDOOM, map)
+    }
+
+    /// A map of a WAD; `None`, with a word on standard error, where it is not there.
+    pub fn of_wad(path: &str, map: &str) -> Option<Self> {
+        Self::of_wad_changed(path, map, |level| level)
+    }
+
+    /// As [`Scene::of_wad`], with a change to the level.
+    pub fn of_wad_changed(
+        path: &str,
+        map: &str,
+        change: impl FnOnce(Level) -> Level,
+    ) -> Option<Self> {
+        let Ok(bytes) = std::fs::read(path) else {
             assert!(
                 std::env::var_os("CI").is_none(),
-                "{FREEDOOM} is missing: install the package freedoom"
+                "{path} is missing: install the package freedoom"
             );
-            eprintln!("skipped: {FREEDOOM} is missing");
+            eprintln!("skipped: {path} is missing");
             return None;
         };
         let wad = wad::Wad::parse(bytes).unwrap();
-        let draft = enfilade::level::doom::read_map(&wad, map, "freedoom1.wad").unwrap();
-        let level = snap::snap(draft).unwrap();
+        let draft = enfilade::level::doom::read_map(&wad, map, path).unwrap();
+        let level = change(snap::snap(draft).unwrap());
         let files = Files {
             dress: graphics::pictures(&wad, &level.scene.dress),
             ..Files::default()

@@ -1,7 +1,7 @@
 //! What a level names: meshes and pictures, from the level's folder, and textures, from its WAD.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
@@ -47,6 +47,23 @@ pub fn read(level_file: &Path, source: &Source, level: &Level) -> Result<Files> 
         }
     }
     Ok(files)
+}
+
+/// The files that a level names, beside its own.
+pub fn named(level_file: &Path, level: &Level) -> Vec<PathBuf> {
+    let folder = level_file.parent().unwrap_or(Path::new("."));
+    let meshes = level.scene.objects.iter().filter_map(|o| match &o.shape {
+        Shape::Mesh { file } => Some(file),
+        _ => None,
+    });
+    let textures = level.scene.materials.iter().filter_map(|m| m.texture.as_ref());
+    let mut files: Vec<PathBuf> = meshes
+        .chain(textures.map(|t| &t.file))
+        .map(|file| folder.join(file))
+        .collect();
+    files.sort();
+    files.dedup();
+    files
 }
 
 fn picture(bytes: &[u8]) -> Result<Image> {
