@@ -4,7 +4,7 @@
 //! as wide as a person's radius. A tile has a place where the body, as a disc, keeps clear of
 //! everything that cannot be passed both ways: walls, high steps and drops, things. If its middle is
 //! none, a finer lattice is tried; so a passage counts as wide enough from about 0.93 of the body's
-//! width on. Neighbouring places are joined where the straight way between them is clear too. Down a
+//! width on (an opening in a wall without thickness from 0.9). Neighbouring places are joined where the straight way between them is clear too. Down a
 //! drop leads a jump from a place before the edge to one beyond it.
 
 use glam::{DVec2, IVec2};
@@ -21,10 +21,13 @@ use crate::trace::space::WALL;
 const TILE: f64 = 1.0;
 /// Parts of a tile's side in the finer lattice.
 const FINE: i32 = 8;
+/// By how much of a tile the lattices are off the round numbers on which levels are drawn, so that
+/// straight ways between places rarely meet a border lengthwise or in its ends.
+const OFF: DVec2 = DVec2::new(0.0317, 0.0173);
 /// Share of the radius that a place keeps clear.
 pub(super) const PLACE: f64 = 0.93;
 /// Share of the radius that a way between two places keeps clear.
-pub(super) const WAY: f64 = 0.75;
+pub(super) const WAY: f64 = 0.9;
 /// Clearances above so many radii are not told apart.
 const CAP: f64 = 3.0;
 /// Distance from an edge, in radii, at which one lands and from which one jumps.
@@ -241,12 +244,12 @@ fn lay(
     let cells = || (0..space.cells.len() as u32).filter(|&c| high(c));
     let mut middles: FxHashMap<IVec2, f64> = FxHashMap::default();
     for cell in cells() {
-        lattice(space, cell, width, 0.5, |at| {
+        lattice(space, cell, width, OFF + 0.5, |at| {
             let place = tile(at, width);
             if middles.contains_key(&place) || clearance.taken(at) {
                 return;
             }
-            let clear = clearance.all.from_point(at);
+            let clear = clearance.all.distance(at);
             middles.insert(place, clear);
             if clear >= enough {
                 best.insert(place, Place { at, cell, clear });
@@ -256,7 +259,8 @@ fn lay(
     // No point of a tile is farther from its middle than this.
     let farthest = width * std::f64::consts::FRAC_1_SQRT_2;
     for cell in cells() {
-        lattice(space, cell, width / f64::from(FINE), 0.0, |at| {
+        let fine = f64::from(FINE);
+        lattice(space, cell, width / fine, OFF * fine, |at| {
             let place = tile(at, width);
             let known = best.get(&place).map_or(enough, |b| b.clear);
             let hopeless = middles
@@ -265,7 +269,7 @@ fn lay(
             if hopeless || clearance.taken(at) {
                 return;
             }
-            let clear = clearance.all.from_point(at);
+            let clear = clearance.all.distance(at);
             if clear >= known && best.get(&place).is_none_or(|b| clear > b.clear) {
                 best.insert(place, Place { at, cell, clear });
             }
@@ -305,7 +309,7 @@ fn lay(
             .map(|e| space.vertex(space.edge(e).from))
             .sum::<DVec2>()
             / n;
-        let clear = clearance.all.from_point(at);
+        let clear = clearance.all.distance(at);
         if clear >= enough && !clearance.taken(at) {
             has_place[s] = true;
             tiles
@@ -319,7 +323,7 @@ fn lay(
 }
 
 /// The points of a square lattice, shifted by a share of its width, in a cell, border included.
-fn lattice(space: &Space, cell: u32, width: f64, shift: f64, mut visit: impl FnMut(DVec2)) {
+fn lattice(space: &Space, cell: u32, width: f64, shift: DVec2, mut visit: impl FnMut(DVec2)) {
     let chamber = space.cell(cell);
     let corners: Vec<DVec2> = (chamber.first..chamber.past)
         .map(|e| space.vertex(space.edge(e).from))
@@ -334,7 +338,7 @@ fn lattice(space: &Space, cell: u32, width: f64, shift: f64, mut visit: impl FnM
     let mut y = first.y;
     while y <= last.y {
         // The row's stretch within the polygon.
-        let at = (y + shift) * width;
+        let at = (y + shift.y) * width;
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, &a) in corners.iter().enumerate() {
             let b = corners[(i + 1) % corners.len()];
@@ -348,9 +352,9 @@ fn lattice(space: &Space, cell: u32, width: f64, shift: f64, mut visit: impl FnM
                 to = to.max(ends[0].max(ends[1]));
             }
         }
-        let mut x = (from / width - shift).ceil();
-        while x <= (to / width - shift).floor() {
-            visit(DVec2::new((x + shift) * width, at));
+        let mut x = (from / width - shift.x).ceil();
+        while x <= (to / width - shift.x).floor() {
+            visit(DVec2::new((x + shift.x) * width, at));
             x += 1.0;
         }
         y += 1.0;

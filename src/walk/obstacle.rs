@@ -63,7 +63,7 @@ impl Obstacles {
     }
 
     /// Distance of the nearest line, at most the reach.
-    pub fn from_point(&self, p: DVec2) -> f64 {
+    pub fn distance(&self, p: DVec2) -> f64 {
         let reach = DVec2::splat(self.reach);
         let mut least = self.reach * self.reach;
         for bucket in self.range(p - reach, p + reach) {
@@ -113,7 +113,7 @@ fn between(p: [DVec2; 2], q: [DVec2; 2]) -> f64 {
 
 /// The ground that an object takes up: a convex polygon, counterclockwise. `None` where it hangs
 /// above a head of this height, or lies so flat (`flat`) that one walks over it. The form of a mesh is
-/// in its own file; it counts as a block as wide and high as its scale.
+/// in its own file; it counts as a block as high as its scale, and a quarter as wide.
 pub fn footprint(object: &Object, ground: &Ground, height: f64, flat: f64) -> Option<Vec<DVec2>> {
     let own: Vec<DVec3> = match &object.shape {
         Shape::Sphere { radius } => cylinder(*radius, -radius, *radius),
@@ -122,7 +122,7 @@ pub fn footprint(object: &Object, ground: &Ground, height: f64, flat: f64) -> Op
             cylinder(*radius, 0.0, *height)
         }
         Shape::Polygon { points } => points.clone(),
-        Shape::Mesh { .. } => block(DVec3::ONE),
+        Shape::Mesh { .. } => block(DVec3::new(0.25, 0.25, 1.0)),
     };
     let [x, y, z] = object.rotation.to_array().map(f64::to_radians);
     let turn = DMat3::from_quat(DQuat::from_euler(EulerRot::ZYX, z, y, x));
@@ -184,4 +184,60 @@ pub(super) fn within(polygon: &[DVec2], p: DVec2) -> bool {
             let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
             (b - a).perp_dot(p - a) >= 0.0
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn buckets_find_what_all_lines_say() {
+        let random = &mut Pcg64::seed_from_u64(3);
+        let mut at = || {
+            DVec2::new(
+                random.random_range(-9.0..9.0),
+                random.random_range(-9.0..9.0),
+            )
+        };
+        for _ in 0..40 {
+            let lines: Vec<[DVec2; 2]> = (0..12).map(|_| [at(), at()]).collect();
+            let obstacles = Obstacles::new(lines.clone(), 1.5);
+            for _ in 0..50 {
+                let way = [at() * 1.2, at() * 1.2];
+                let point = lines.iter().map(|l| to_line(way[0], *l).sqrt());
+                let point = point.fold(1.5, f64::min);
+                assert!((obstacles.distance(way[0]) - point).abs() < 1e-12);
+                let least = lines.iter().map(|l| between(way, *l).sqrt());
+                let least = least.fold(f64::INFINITY, f64::min);
+                assert_eq!(obstacles.clear(way, 0.7), least > 0.7);
+            }
+        }
+        let none = Obstacles::new(Vec::new(), 2.0);
+        assert_eq!(none.distance(DVec2::X), 2.0);
+        assert!(none.clear([DVec2::ZERO, DVec2::X], 1.0));
+    }
+
+    #[test]
+    fn hulls_are_convex_and_hold_their_points() {
+        let flat = |p: [f64; 2]| DVec2::from(p).extend(1.0);
+        let points = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [1.0, 0.5],
+            [2.0, 2.0],
+            [0.0, 2.0],
+            [1.0, 0.0],
+        ];
+        let points = points.map(flat);
+        let hull = hull(&points);
+        assert_eq!(hull.len(), 4);
+        assert!(points.iter().all(|p| within(&hull, p.truncate())));
+        assert!(!within(&hull, DVec2::new(2.1, 1.0)));
+        // A flat thing is a line, and has no inside.
+        let pane = super::hull(&[flat([0.0, 0.0]), flat([1.0, 1.0]), flat([0.5, 0.5])]);
+        assert_eq!(pane, [DVec2::ZERO, DVec2::ONE]);
+        assert!(!within(&pane, DVec2::ZERO));
+    }
 }

@@ -4,14 +4,14 @@
 //! order, and those that it does not, each with the reason. The level is taken as it stands; a tour
 //! through doors is one of the level that [`opened`] makes of it.
 //!
-//! A net of places to stand ([`net`](super::net)) says where one can go. Where a drop leads to
+//! A net of places to stand (`net`) says where one can go. Where a drop leads to
 //! places from which there is no way back, the tour sees everything before it jumps, and jumps where
 //! most is to be seen afterwards. Within such a part, the nearest sector not yet seen is next; its
 //! middle is walked to, and what is passed on the way has been seen. Then the order is improved by
 //! turning round pieces of it (2-opt, G. A. Croes 1958) and by moving single stops. The nearest
 //! neighbour alone may take longer than the best order by a factor that grows with the logarithm of
 //! their number (Rosenkrantz, Stearns, Lewis 1977); with 2-opt it is some five per cent in practice.
-//! Last, the way is pulled taut and rounded ([`taut`](super::taut)); a sector that it then no longer
+//! Last, the way is pulled taut and rounded (`taut`); a sector that it then no longer
 //! touches becomes a stop of its own.
 
 use glam::{DVec2, DVec3};

@@ -110,9 +110,12 @@ fn distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
 /// What a checked tour showed.
 #[derive(Debug, Default)]
 struct Seen {
+    #[expect(dead_code, reason = "printed")]
     crossings: usize,
     /// Least distance from a wall, in radii.
+    #[expect(dead_code, reason = "printed")]
     nearest: f64,
+    #[expect(dead_code, reason = "printed")]
     flooded: usize,
     visited: usize,
 }
@@ -362,7 +365,7 @@ fn a_tour_is_walked_at_one_pace_and_never_turns_too_fast() {
 }
 
 #[test]
-fn named_paths_cross_no_wall() {
+fn named_paths_cross_no_wall_and_no_object() {
     let mut n = 0;
     for path in tomls("levels") {
         let level = read(&path);
@@ -376,6 +379,12 @@ fn named_paths_cross_no_wall() {
                 if scene.opening(e).is_none() {
                     walls.push(scene.line(e));
                 }
+            }
+            for object in &level.scene.objects {
+                let foot = footprint(object, &ground, scene.person.height, 0.3);
+                let foot = foot.unwrap_or_default();
+                let n = foot.len();
+                walls.extend((0..n).map(|i| [foot[i], foot[(i + 1) % n]]));
             }
             for pose in track.points().windows(2) {
                 let [a, b] = [pose[0], pose[1]].map(|p| p.truncate());
@@ -393,6 +402,7 @@ fn named_paths_cross_no_wall() {
                     near = near.min(distance(a, [*c, *d]));
                 }
             }
+            assert!(near > 0.1, "{}, {}: {near}", level.name, path.name);
             println!(
                 "{}, {}: {:.0} s, {near:.2} from walls",
                 level.name,
