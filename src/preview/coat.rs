@@ -137,7 +137,7 @@ pub fn pack(colour: DVec3) -> Packed {
 /// A colour's light scaled by a share of 256.
 #[inline(always)]
 pub fn dim(colour: Packed, share: u32) -> Packed {
-    let even = (colour & 0x00ff_00ff) * share >> 8;
+    let even = ((colour & 0x00ff_00ff) * share) >> 8;
     let odd = (colour >> 8 & 0xff) * share;
     even & 0x00ff_00ff | odd & 0xff00 | 0xff << 24
 }

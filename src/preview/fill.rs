@@ -102,7 +102,7 @@ pub fn solid(coats: &Coats, shown: &Shown, (x, y): (u32, u32)) -> bool {
 pub fn through(behind: Packed, tint: Packed, own: Packed) -> Packed {
     let channel = |k: usize| {
         let shift = 8 * k as u32;
-        let passing = (behind >> shift & 0xff) * ((tint >> shift & 0xff) + 1) >> 8;
+        let passing = ((behind >> shift & 0xff) * ((tint >> shift & 0xff) + 1)) >> 8;
         (passing + (own >> shift & 0xff)).min(255) << shift
     };
     channel(0) | channel(1) | channel(2) | 0xff << 24
@@ -140,8 +140,8 @@ fn places(shown: &Shown, texture: &Texture, x: u32, y: u32) -> Places {
         let depth = 1.0 / nearness;
         let across = (u.slope[0] * x + u_row) * depth + (u_start + PART);
         let down = (v.slope[0] * x + v_row) * depth + (v_start + PART);
-        let column = (across.to_bits() & 0xffff_ffff) * width >> 32;
-        let row = (down.to_bits() & 0xffff_ffff) * height >> 32;
+        let column = ((across.to_bits() & 0xffff_ffff) * width) >> 32;
+        let row = ((down.to_bits() & 0xffff_ffff) * height) >> 32;
         places.at[k] = (row * width + column) as u32;
         places.light[k] = faded(shown.fade, nearness);
         places.repeat[k] = (down.to_bits() >> 32) as u32 ^ (PART.to_bits() >> 32) as u32;

@@ -252,15 +252,20 @@ impl Wardrobe {
     /// `None` where the picture is clear.
     #[inline]
     fn texel(&self, layout: &Layout, point: DVec3) -> Option<DVec3> {
+        let column = (layout.across.dot(point) + layout.at.x).floor();
+        let row = (layout.down.dot(point) + layout.at.y).floor();
+        self.texel_at(layout, column, row)
+    }
+
+    /// As [`Wardrobe::texel`], in this column and row (whole numbers).
+    #[inline]
+    pub(super) fn texel_at(&self, layout: &Layout, column: f64, row: f64) -> Option<DVec3> {
         let picture = &self.pictures[layout.picture as usize];
-        let column = (layout.across.dot(point) + layout.at.x).floor() as i64;
-        let row = (layout.down.dot(point) + layout.at.y).floor() as i64;
-        let height = i64::from(picture.height);
-        if layout.once && !(0..height).contains(&row) {
+        if layout.once && !(0.0..f64::from(picture.height)).contains(&row) {
             return None;
         }
-        let column = column.rem_euclid(picture.width.into()) as usize;
-        self.colour(picture, column, row.rem_euclid(height) as usize)
+        let column = repeated(column, picture.width);
+        self.colour(picture, column, repeated(row, picture.height))
     }
 
     #[inline]
@@ -278,6 +283,17 @@ pub fn sky_place(direction: DVec3) -> DVec2 {
     let column = flat.to_angle() / TAU * SKY_TURN;
     let row = HORIZON - direction.z / flat.length() * (SKY_TURN / TAU);
     DVec2::new(column, row)
+}
+
+/// The place in one of `n` that repeat for ever. Most pictures are powers of two wide and high.
+#[inline]
+fn repeated(at: f64, n: u32) -> usize {
+    let at = at as i32;
+    if n.is_power_of_two() {
+        (at as u32 & (n - 1)) as usize
+    } else {
+        at.rem_euclid(n as i32) as usize
+    }
 }
 
 /// Of the linedef on which an edge lies: what hangs on it, and on its side towards the edge's cell.

@@ -99,10 +99,11 @@ pub fn arrival(light: &Light, point: DVec3, sample: DVec2) -> Option<Arrival> {
 fn from(position: DVec3, point: DVec3, intensity: DVec3) -> Option<Arrival> {
     let to = position - point;
     let distance = to.length();
+    let inverse = 1.0 / distance;
     (distance > 0.0).then(|| Arrival {
-        direction: to / distance,
+        direction: to * inverse,
         distance,
-        intensity: intensity / (distance * distance),
+        intensity: intensity * (inverse * inverse),
     })
 }
 

@@ -11,7 +11,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::beam::{self, Area, Patch, middle};
+use super::beam::{self, Area, Bundle, Patch, middle};
 use super::camera::Camera;
 use super::cast::Met;
 use super::effects::{Effect, Effects};
@@ -20,6 +20,7 @@ use super::ray::Ray;
 use super::sampling::{Source, branch};
 use super::shade::{Finish, Limits, Lit, Path, Shader, Work, finishes};
 use super::shadow;
+use super::space::Surface;
 use super::world::meet::Meeting;
 use super::world::{Departure, Tracer};
 use crate::cells::CellId;
@@ -211,6 +212,7 @@ impl Job<'_> {
         let mut colours = vec![DVec3::ZERO; area.len()];
         let from = Departure::within(self.start);
         let crowded = !world.standing.is_empty();
+        let fan = self.camera.fan();
         let mut lit = Vec::new();
         beam::cast_patches(
             &world.space,
@@ -220,6 +222,17 @@ impl Job<'_> {
             |patch, depths| {
                 if A {
                     self.light_up(&patch, &mut lit);
+                }
+                let mut put = |x: u32, y: u32, colour| {
+                    let at = (y - area.y.0) * across + (x - area.x.0);
+                    colours[at as usize] = colour;
+                };
+                if !crowded
+                    && depths.iter().all(|t| t.is_finite())
+                    && let Some((surface, cell)) = patch.met
+                    && let Some(sheet) = shader.sheet(surface, cell)
+                {
+                    return shader.spread(&sheet, &fan, &patch, (depths, &lit), work, put);
                 }
                 let across_patch = patch.area.width();
                 patch.mask.rectangles(&patch.area, |part| {
@@ -240,9 +253,7 @@ impl Job<'_> {
                         work.rays.primary += 1;
                         work.lit = lit.get(i).copied().unwrap_or_default();
                         let path = Path::new(self.key(x, y, 0));
-                        let at = (y - area.y.0) * across + (x - area.x.0);
-                        colours[at as usize] =
-                            shader.colour_of(&ray, meeting.as_ref(), &path, work);
+                        put(x, y, shader.colour_of(&ray, meeting.as_ref(), &path, work));
                     }
                 });
             },
@@ -276,8 +287,9 @@ impl Job<'_> {
                 |area, mask, blocker| {
                     let reach = match blocker {
                         None => true,
-                        Some(surface) if world.stops_light(surface) => false,
-                        Some(_) => return,
+                        // Glass or a grating: each point has to look more closely.
+                        Some(Surface::Pane(_)) => return,
+                        Some(_) => false,
                     };
                     mask.rectangles(&area, |part| {
                         for [x, y] in pixels(part) {

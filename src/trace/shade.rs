@@ -33,6 +33,7 @@
 //! `SCATTER` (any of it rough).
 
 mod medium;
+mod sheet;
 mod surface;
 
 use std::f64::consts::TAU;
@@ -40,6 +41,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 pub use medium::{Media, refract};
+pub use sheet::Sheet;
 pub use surface::{Finish, finishes, phong};
 
 use super::dress::Look;
@@ -252,7 +254,11 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         let finish = &self.finishes[material.0 as usize];
         let view = -ray.direction.normalize();
-        let turned = hit.normal.dot(view) < 0.0;
+        // Surfaces of the level are seen from their cell, whatever rounding says; panes from both sides.
+        let turned = match hit.what {
+            What::Surface(surface) if !matches!(surface, Surface::Pane(_)) => false,
+            _ => hit.normal.dot(view) < 0.0,
+        };
         let sign = if turned { -1.0 } else { 1.0 };
         let spot = Spot {
             hit: &hit,
@@ -365,9 +371,10 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             let place = self.tracer.depart(hit, direction).place;
             match shadow::blocker(&world.space, hit.point, place, lamp) {
                 None => return DVec3::ONE,
-                Some(surface) if world.stops_light(surface) => return DVec3::ZERO,
-                // Glass, a grating, the sky: worth a closer look.
-                Some(_) => {}
+                // Glass or a grating: worth a closer look.
+                Some(Surface::Pane(_)) => {}
+                // The sky too: light from outside only passes there, and a lamp is inside.
+                Some(_) => return DVec3::ZERO,
             }
         }
         let mut left = distance * SHORT;

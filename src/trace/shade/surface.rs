@@ -26,7 +26,7 @@ pub fn phong((kd, ks, shininess): (DVec3, DVec3, f64), n: DVec3, l: DVec3, v: DV
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finish {
     /// Diffuse colour.
-    kd: DVec3,
+    pub(super) kd: DVec3,
     /// Highlight.
     pub ks: DVec3,
     /// Its exponent.
@@ -46,7 +46,7 @@ pub struct Finish {
     /// Light given off.
     pub emission: DVec3,
     /// Number of its picture, and the length that one repetition covers.
-    picture: Option<(u32, f64)>,
+    pub(super) picture: Option<(u32, f64)>,
 }
 
 /// A colour made as bright as can be; white for black.

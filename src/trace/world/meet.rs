@@ -67,6 +67,30 @@ pub struct Hit {
     part: u32,
 }
 
+impl Hit {
+    /// On a surface of the level, be it of what it may.
+    #[inline]
+    pub(in crate::trace) fn on_surface(
+        surface: Surface,
+        cell: CellId,
+        t: f64,
+        point: DVec3,
+        normal: DVec3,
+    ) -> Self {
+        Self {
+            t,
+            point,
+            normal,
+            shading: normal,
+            material: None,
+            uv: DVec2::ZERO,
+            cell,
+            what: What::Surface(surface),
+            part: 0,
+        }
+    }
+}
+
 /// How the nearest thing is found.
 #[derive(Clone, Debug, Default)]
 enum Way {
@@ -350,15 +374,8 @@ impl<'a> Tracer<'a> {
                 }
                 let normal = world.normal(met.surface);
                 Hit {
-                    t: met.t,
-                    point,
-                    normal,
-                    shading: normal,
                     material: world.surface_material(met.surface),
-                    uv: DVec2::ZERO,
-                    cell: met.cell,
-                    what: What::Surface(met.surface),
-                    part: 0,
+                    ..Hit::on_surface(met.surface, met.cell, met.t, point, normal)
                 }
             }
             Meeting::Object(found, cell) => {

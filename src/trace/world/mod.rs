@@ -320,9 +320,18 @@ impl World {
     /// The ambient term Ia at a hit.
     #[inline]
     pub fn ambient_at(&self, hit: &Hit) -> f64 {
-        match (&self.wardrobe, hit.what) {
-            (Some(wardrobe), What::Surface(surface)) => wardrobe.light(surface),
-            _ => self.ambient[hit.cell.0 as usize],
+        match hit.what {
+            What::Surface(surface) => self.ambient_on(surface, hit.cell),
+            What::Object(_) => self.ambient[hit.cell.0 as usize],
+        }
+    }
+
+    /// The ambient term Ia on a surface seen from a cell.
+    #[inline]
+    pub fn ambient_on(&self, surface: Surface, cell: CellId) -> f64 {
+        match &self.wardrobe {
+            Some(wardrobe) => wardrobe.light(surface),
+            None => self.ambient[cell.0 as usize],
         }
     }
 
