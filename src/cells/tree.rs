@@ -247,7 +247,7 @@ mod tests {
     }
 
     /// A tree in which the walls are in the splits: the first of a list splits the rest, as in the
-    /// lecture. A wall that is split becomes two, `b` on the left and `a` on the right.
+    /// lecture. A wall that is split becomes two, `a` on the line's left and `b` on its right.
     fn by_walls(list: &[Wall], tree: &mut Tree, names: &mut Vec<Wall>) -> Branch {
         let Some((first, rest)) = list.split_first() else {
             return Branch::Solid;
@@ -274,8 +274,8 @@ mod tests {
                     };
                     let [p, q] = wall.ends;
                     let (l, r) = if last == Side::Left { (q, p) } else { (p, q) };
-                    left.push(part("b", l));
-                    right.push(part("a", r));
+                    left.push(part("a", l));
+                    right.push(part("b", r));
                 }
             }
         }

@@ -109,7 +109,9 @@ pub fn run(args: &RenderArgs) -> Result<Answer> {
         Renderer::Preview => painted(args, &stage)?,
     };
     let mut writing = 0.0;
-    timed(&mut writing, || write(&args.output, args.size, &drawn.bytes))?;
+    timed(&mut writing, || {
+        write(&args.output, args.size, &drawn.bytes)
+    })?;
     if args.stage.quiet {
         return Ok(Answer::Yes);
     }

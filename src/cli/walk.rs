@@ -226,7 +226,11 @@ pub fn run(args: &WalkArgs) -> Result<Answer> {
     if kind != Kind::Folder {
         let counter = Progress::default();
         progress::show("making one file", args.stage.quiet, &counter, || {
-            let film = if kind == Kind::Gif { film::gif } else { film::mp4 };
+            let film = if kind == Kind::Gif {
+                film::gif
+            } else {
+                film::mp4
+            };
             film(&folder, n, args.size, args.fps, &args.output, &counter)
         })?;
         if !args.keep_frames {
@@ -293,7 +297,10 @@ fn route(args: &WalkArgs, stage: &Stage) -> Result<Route> {
     let path = match (&args.path, &paths[..]) {
         (_, []) => bail!("{} has no paths; --tour finds a way by itself", level.name),
         (None, [path]) => path,
-        (None, _) => bail!("choose one with --path, or take --tour; there are: {}", names()),
+        (None, _) => bail!(
+            "choose one with --path, or take --tour; there are: {}",
+            names()
+        ),
         (Some(name), _) => match paths.iter().find(|p| p.name == *name) {
             Some(path) => path,
             None => bail!("there is no path `{name}`; there are: {}", names()),
@@ -499,7 +506,9 @@ fn key(args: &WalkArgs, stage: &Stage, fov: f64, exposure: Exposure) -> Result<b
     };
     let level: Option<&str> = args.level.map.as_deref();
     let stage = &args.stage;
-    let cells = stage.bsp.options(stage.subdivision.into(), stage.doors.into());
+    let cells = stage
+        .bsp
+        .options(stage.subdivision.into(), stage.doors.into());
     let rest = match args.renderer {
         Renderer::Preview => format!("{level:?} {cells:?} {:?} {fov} preview", args.size),
         Renderer::Trace => {
@@ -520,7 +529,9 @@ fn write_papers(papers: [Option<&Path>; 2], walk: &walkthrough::Walk) -> Result<
     let mut files = Vec::new();
     if let Some(path) = papers[0] {
         let mut file = Output::create(path)?;
-        let csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+        let csv = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("csv"));
         file.write(|out| {
             if csv {
                 return out.write_all(figures::csv(walk.frames).as_bytes());
@@ -631,7 +642,9 @@ fn missed(tour: &Tour, level: &Level) -> Vec<(String, String)> {
     let mut list: Vec<(String, Vec<String>)> = Vec::new();
     for (sector, barrier) in &tour.missed {
         let own = level.sectors.get(sector.0 as usize);
-        let name = own.and_then(|s| s.name.clone()).unwrap_or(sector.0.to_string());
+        let name = own
+            .and_then(|s| s.name.clone())
+            .unwrap_or(sector.0.to_string());
         let barrier = barrier.to_string();
         match list.iter_mut().find(|(b, _)| *b == barrier) {
             Some((_, names)) => names.push(name),

@@ -21,7 +21,8 @@ use crate::trace::world::{MaterialIndex, World};
 /// How a picture looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Finish {
-    /// Every polygon has one colour: its material's, or the mean of its picture.
+    /// Every polygon has one colour: its material's, or the mean of its picture. Gratings keep their
+    /// holes, and so their pictures.
     Flat,
     /// Polygons show their pictures, the nearest texel on each pixel.
     #[default]
@@ -113,16 +114,19 @@ pub struct Coats {
     over: Vec<(u32, Coat)>,
     /// The sky's picture, one turn across; `None` for the usual sky.
     pub sky: Option<Texture>,
+    /// Number of the first texture that is a material's picture.
+    first: u32,
     /// Pictures are brightened by this factor of light.
     exposure: f64,
-    /// At this distance it begins to get darker.
-    pub near: f64,
+    /// At this distance half of the light is lost that is lost on the way to infinity.
+    dusk: f64,
 }
 
-/// Doom's pictures are dark, and the game brightens what is near: as the renderer does, by 1.5 stops.
-const DOOM: f64 = std::f64::consts::SQRT_2 * 2.0;
+/// Doom's pictures are dark, and the game brightens what is near: so does this, by a little more than two
+/// stops.
+const DOOM: f64 = 4.5;
 /// The share of the light that remains far away.
-pub const AFAR: f64 = 0.45;
+pub const AFAR: f64 = 0.4;
 
 /// Bytes of a colour in linear light.
 pub fn pack(colour: DVec3) -> Packed {
@@ -133,7 +137,7 @@ pub fn pack(colour: DVec3) -> Packed {
 /// A colour's light scaled by a share of 256.
 #[inline(always)]
 pub fn dim(colour: Packed, share: u32) -> Packed {
-    let even = (colour & 0x00ff_00ff) * share >> 8;
+    let even = ((colour & 0x00ff_00ff) * share) >> 8;
     let odd = (colour >> 8 & 0xff) * share;
     even & 0x00ff_00ff | odd & 0xff00 | 0xff << 24
 }
@@ -165,14 +169,11 @@ impl Coats {
             list: Vec::new(),
             over: Vec::new(),
             sky: sky(world, exposure),
-            exposure,
-            near: near(world),
-        };
-        let tailor = Tailor {
-            world,
-            finish,
             first,
+            exposure,
+            dusk: dusk(world),
         };
+        let tailor = Tailor { world, finish };
         for (number, polygon) in (0..).zip(polygons.iter()) {
             let coat = tailor.coat(&coats, polygon.surface);
             coats.list.push(coat);
@@ -202,15 +203,21 @@ impl Coats {
         texture.texels[row * texture.width as usize + column]
     }
 
+    /// Mean colour of a material's picture, by its number in [`World::pictures`].
+    pub fn mean(&self, picture: u32) -> DVec3 {
+        self.textures[(self.first + picture) as usize].mean
+    }
+
     /// A colour of linear light as the pictures have it.
     pub fn exposed(&self, colour: DVec3) -> Packed {
         pack(colour * self.exposure)
     }
 
-    /// How bright what lies at some distance is, in 256ths: (fixed, times one over the distance, most).
+    /// How bright what lies at some distance is, in 256ths: `[most, loss, scale]` for
+    /// [`faded`](super::fill::faded).
     pub fn fade(&self, light: f64) -> [f64; 3] {
         let full = light * 256.0;
-        [full * AFAR, full * (1.0 - AFAR) * self.near, full]
+        [full, full * (1.0 - AFAR), self.dusk]
     }
 
     /// The sky's bytes in a direction.
@@ -219,15 +226,15 @@ impl Coats {
     }
 }
 
-/// Twice the height of a usual room.
-fn near(world: &World) -> f64 {
+/// Five times the height of a usual room.
+fn dusk(world: &World) -> f64 {
     let cells = world.space.cells.iter();
     let mut heights: Vec<f64> = cells
         .map(|c| c.ceiling - c.floor)
         .filter(|h| *h > 0.0)
         .collect();
     heights.sort_by(f64::total_cmp);
-    heights.get(heights.len() / 2).map_or(1.0, |h| h * 2.0)
+    heights.get(heights.len() / 2).map_or(1.0, |h| h * 5.0)
 }
 
 /// One turn of the sky's picture, faded into its upper colour as by [`World::sky`].
@@ -273,8 +280,6 @@ impl Texture {
 struct Tailor<'a> {
     world: &'a World,
     finish: Finish,
-    /// Number of the first picture of a material.
-    first: u32,
 }
 
 impl Tailor<'_> {
@@ -340,7 +345,7 @@ impl Tailor<'_> {
     fn map(&self, coats: &Coats, surface: Surface, index: MaterialIndex) -> Option<Map> {
         let number = self.world.picture_of[index.0 as usize]?;
         let scale = self.world.material(index).texture.as_ref()?.scale;
-        let texture = self.first + number;
+        let texture = coats.first + number;
         let Texture { width, height, .. } = coats.textures[texture as usize];
         let tall = scale * f64::from(height) / f64::from(width);
         let (across, down) = match surface {
@@ -407,10 +412,11 @@ impl Tailor<'_> {
     }
 }
 
-/// The light of a direction, 1 at most: walls lit from the south-east, more light from above.
+/// The light of a direction, 1 at most: from above, and from the south-east. No wall is as bright as a
+/// floor or as dark as a ceiling.
 pub fn slope(normal: DVec3) -> f64 {
     const TOWARDS: DVec2 = DVec2::new(0.6, -0.8);
-    0.84 + 0.13 * normal.truncate().dot(TOWARDS) + 0.12 * normal.z
+    0.8 + 0.12 * normal.truncate().dot(TOWARDS) + 0.2 * normal.z
 }
 
 /// The light on what stands in a cell.

@@ -102,17 +102,18 @@ pub fn solid(coats: &Coats, shown: &Shown, (x, y): (u32, u32)) -> bool {
 pub fn through(behind: Packed, tint: Packed, own: Packed) -> Packed {
     let channel = |k: usize| {
         let shift = 8 * k as u32;
-        let passing = (behind >> shift & 0xff) * ((tint >> shift & 0xff) + 1) >> 8;
+        let passing = ((behind >> shift & 0xff) * ((tint >> shift & 0xff) + 1)) >> 8;
         (passing + (own >> shift & 0xff)).min(255) << shift
     };
     channel(0) | channel(1) | channel(2) | 0xff << 24
 }
 
-/// The light of a nearness, in 256ths.
+/// The light of a nearness (one over the distance), in 256ths: `most` at the eye, less by `loss` infinitely
+/// far away, and in the middle at the distance `scale`.
 #[inline(always)]
-pub fn faded([fixed, slope, most]: [f64; 3], nearness: f64) -> u32 {
-    let light = (fixed + slope * nearness).min(most).max(0.0);
-    ((light + WHOLE).to_bits() & 0x1ff) as u32
+pub fn faded([most, loss, scale]: [f64; 3], nearness: f64) -> u32 {
+    let light = most - loss / (1.0 + scale * nearness);
+    ((light.max(0.0).min(most) + WHOLE).to_bits() & 0x1ff) as u32
 }
 
 #[inline(always)]
@@ -139,8 +140,8 @@ fn places(shown: &Shown, texture: &Texture, x: u32, y: u32) -> Places {
         let depth = 1.0 / nearness;
         let across = (u.slope[0] * x + u_row) * depth + (u_start + PART);
         let down = (v.slope[0] * x + v_row) * depth + (v_start + PART);
-        let column = (across.to_bits() & 0xffff_ffff) * width >> 32;
-        let row = (down.to_bits() & 0xffff_ffff) * height >> 32;
+        let column = ((across.to_bits() & 0xffff_ffff) * width) >> 32;
+        let row = ((down.to_bits() & 0xffff_ffff) * height) >> 32;
         places.at[k] = (row * width + column) as u32;
         places.light[k] = faded(shown.fade, nearness);
         places.repeat[k] = (down.to_bits() >> 32) as u32 ^ (PART.to_bits() >> 32) as u32;
@@ -148,22 +149,33 @@ fn places(shown: &Shown, texture: &Texture, x: u32, y: u32) -> Places {
     places
 }
 
-/// The sky is asked for at every sixteenth column of the picture; between, its place changes evenly.
+/// How many columns apart the sky is asked for; between, its place changes evenly. By less than a twentieth
+/// of a column of its picture that is not so: over an angle of α radians it is off by α²/12 of one.
+fn stride(view: &View) -> u32 {
+    const WIDEST: f64 = 0.06;
+    let most = WIDEST / view.fan.across.length();
+    [16, 8, 4, 2]
+        .into_iter()
+        .find(|&n| f64::from(n) <= most)
+        .unwrap_or(1)
+}
+
 #[inline(always)]
 fn sky((world, coats, view): (&World, &Coats, &View), (first, y): (u32, u32), row: &mut [Packed]) {
+    let stride = stride(view);
     let mut done = 0;
     while done < row.len() {
         let x = first + done as u32;
-        let start = x - x % N as u32;
-        let n = (row.len() - done).min((start + N as u32 - x) as usize);
+        let start = x - x % stride;
+        let n = (row.len() - done).min((start + stride - x) as usize);
         let part = &mut row[done..done + n];
-        let ends = [start, start + N as u32].map(|x| view.fan.direction(middle(x, y)));
+        let ends = [start, start + stride].map(|x| view.fan.direction(middle(x, y)));
         match &coats.sky {
             Some(picture) => {
                 let [p, mut q] = ends.map(sky_place);
                 q.x -= ((q.x - p.x) / SKY_TURN).round() * SKY_TURN;
                 for (k, pixel) in part.iter_mut().enumerate() {
-                    let at = p.lerp(q, f64::from(x - start + k as u32) / N as f64);
+                    let at = p.lerp(q, f64::from(x - start + k as u32) / f64::from(stride));
                     let last = (picture.height - 1) as usize;
                     // Straight up there is no row.
                     let line = (at.y.floor().max(-1.0) + 1.0) as usize;
@@ -175,7 +187,7 @@ fn sky((world, coats, view): (&World, &Coats, &View), (first, y): (u32, u32), ro
             None => {
                 let [p, q] = ends.map(|d| unpack(coats.sky(world, d)));
                 for (k, pixel) in part.iter_mut().enumerate() {
-                    let colour = p.lerp(q, f64::from(x - start + k as u32) / N as f64);
+                    let colour = p.lerp(q, f64::from(x - start + k as u32) / f64::from(stride));
                     let [r, g, b] = colour.to_array().map(|c| (c + 0.5) as u32);
                     *pixel = r | g << 8 | b << 16 | 0xff << 24;
                 }

@@ -18,6 +18,9 @@
 //! | [`draw`] | the order, the figures, bands of rows on threads |
 //! | [`canvas`] | the picture |
 //!
+//! Objects are no polygons of the plan, so the tree does not order them; but each cell is convex, and what
+//! stands in it has its turn just after its walls: see [`objects`].
+//!
 //! # Two orders
 //!
 //! Backwards through the same list, the nearest polygon comes first. Painting only on pixels that are

@@ -184,8 +184,11 @@ fn paint(
     let index = world.standing[found.primitive as usize].material;
     let material = world.material(index);
     let own = match world.picture_of[index.0 as usize] {
-        Some(number) if finish == Finish::Textured => world.pictures[number as usize].at(hit.uv),
-        _ => coat::colour(material),
+        Some(number) => match finish {
+            Finish::Textured => world.pictures[number as usize].at(hit.uv),
+            Finish::Flat => coats.mean(number),
+        },
+        None => coat::colour(material),
     };
     let turned = hit.normal.dot(ray.direction) > 0.0;
     let normal = if turned { -hit.shading } else { hit.shading };

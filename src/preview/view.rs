@@ -102,8 +102,8 @@ impl View {
     }
 
     /// The rows and columns in which a convex set of points may show, one or two too many at either end;
-    /// `None` if there are none. What lies behind the eye is clipped off at a plane near it, where
-    /// `next` says which points follow each other.
+    /// `None` if there are none. What lies behind the eye is clipped off at a plane near it: the sides of
+    /// a `closed` outline, or else whatever joins two of the points.
     pub fn window(&self, corners: &[DVec3], closed: bool) -> Option<((u32, u32), (u32, u32))> {
         let seen: SmallVec<[DVec3; 12]> = (corners.iter())
             .map(|&c| {
@@ -188,6 +188,7 @@ impl View {
             whole - whole.floor()
         };
         let way = [map.across, map.down].map(|axis| Linear::of(axis, &self.fan));
+        // What is not repeated downwards needs its own number.
         let down = map.down.dot(self.eye) + map.at.y;
         Lay {
             way,

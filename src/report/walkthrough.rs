@@ -69,14 +69,26 @@ pub fn page(walk: &Walk) -> String {
         about: "Cells along the walk",
         logarithmic: true,
         lines: vec![
-            ("pvs", "in the PVS of the eye's cell", along(walk.frames, |f| f.cells_pvs as f64)),
-            ("eye", "that the eye sees within the picture", along(walk.frames, |f| f.polygons.cells as f64)),
+            (
+                "pvs",
+                "in the PVS of the eye's cell",
+                along(walk.frames, |f| f.cells_pvs as f64),
+            ),
+            (
+                "eye",
+                "that the eye sees within the picture",
+                along(walk.frames, |f| f.polygons.cells as f64),
+            ),
         ],
     };
     let times = Chart {
         about: "Milliseconds to draw a frame",
         logarithmic: true,
-        lines: vec![("time", walk.renderer, along(walk.frames, |f| f.milliseconds_draw))],
+        lines: vec![(
+            "time",
+            walk.renderer,
+            along(walk.frames, |f| f.milliseconds_draw),
+        )],
     };
     let counted = walk.frames.iter().any(|f| f.polygons.all > 0);
     let title = format!("{}: {}", walk.level, walk.route);
@@ -134,7 +146,10 @@ pub fn page(walk: &Walk) -> String {
 
 fn along(frames: &[Frame], value: impl Fn(&Frame) -> f64) -> Vec<[f64; 2]> {
     let start = frames.first().map_or(0.0, |f| f.seconds);
-    frames.iter().map(|f| [f.seconds - start, value(f)]).collect()
+    frames
+        .iter()
+        .map(|f| [f.seconds - start, value(f)])
+        .collect()
 }
 
 fn table(rows: &[(&str, Spread)]) -> Markup {
@@ -249,7 +264,9 @@ fn at(x: f64) -> String {
 fn polyline(points: &[[f64; 2]], x: impl Fn(f64) -> f64, y: impl Fn(f64) -> f64) -> String {
     let stride = points.len().div_ceil(POINTS).max(1);
     let shown = points.iter().step_by(stride);
-    let texts: Vec<String> = shown.map(|p| format!("{:.1},{:.1}", x(p[0]), y(p[1]))).collect();
+    let texts: Vec<String> = shown
+        .map(|p| format!("{:.1},{:.1}", x(p[0]), y(p[1])))
+        .collect();
     texts.join(" ")
 }
 

@@ -57,7 +57,9 @@ impl Camera {
     /// Where it looks: unit vector.
     pub fn direction(&self) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
-        self.fan.direction(DVec2::new(width, height) / 2.0).normalize()
+        self.fan
+            .direction(DVec2::new(width, height) / 2.0)
+            .normalize()
     }
 
     /// A point as the camera sees it: its depth in z, and in x and y, divided by the depth, the place

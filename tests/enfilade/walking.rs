@@ -55,7 +55,9 @@ fn walk(file: &str, to: &Path, more: &[&str]) -> String {
 
 /// The names of all files in a folder, in order.
 fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name());
+    let entries = fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().file_name());
     let mut names: Vec<String> = entries.map(|n| n.to_string_lossy().into_owned()).collect();
     names.sort();
     names
@@ -92,7 +94,9 @@ fn frames_are_numbered_and_kept() {
     fs::remove_file(frames.join("frame-00003.png")).unwrap();
     let half = fs::read(frames.join("frame-00005.png")).unwrap();
     fs::write(frames.join("frame-00005.png"), &half[..half.len() / 2]).unwrap();
-    image::RgbImage::new(48, 30).save(frames.join("frame-00007.png")).unwrap();
+    image::RgbImage::new(48, 30)
+        .save(frames.join("frame-00007.png"))
+        .unwrap();
     assert!(walk(&file, &frames, &[]).contains("3 drawn, 7 kept"));
     let again: Vec<Vec<u8>> = (0..10).map(|k| pixels(&frames, k)).collect();
     assert!(all == again);
@@ -101,9 +105,14 @@ fn frames_are_numbered_and_kept() {
     fs::write(&file, ROOMS.replace("2.2", "2.3")).unwrap();
     assert!(walk(&file, &frames, &["--fov", "60"]).contains("10 drawn, 0 kept"));
     // A shorter walk takes the rest away, but nothing that is not its own.
-    image::RgbImage::new(2, 2).save(frames.join("frame-00042.png")).unwrap();
+    image::RgbImage::new(2, 2)
+        .save(frames.join("frame-00042.png"))
+        .unwrap();
     let text = walk(&file, &frames, &["--fov", "60", "--to", "1"]);
-    assert!(text.contains("0 drawn, 5 kept, 5 of a longer walk taken away"), "{text}");
+    assert!(
+        text.contains("0 drawn, 5 kept, 5 of a longer walk taken away"),
+        "{text}"
+    );
     assert_eq!(names(&frames).len(), 6);
 }
 
@@ -115,7 +124,11 @@ fn an_interrupted_walk_goes_on() {
         let to = to.to_string_lossy().into_owned();
         let fixed = ["walk", &file, "-o", &to, "--size", "160x100", "--fps", "20"];
         let fixed = fixed.map(str::to_string);
-        [&fixed[..], &["--samples".into(), "16".into(), "--quiet".into()]].concat()
+        [
+            &fixed[..],
+            &["--samples".into(), "16".into(), "--quiet".into()],
+        ]
+        .concat()
     };
     let mut child = Command::new(env!("CARGO_BIN_EXE_enfilade"))
         .args(arguments(&broken))
@@ -137,7 +150,9 @@ fn an_interrupted_walk_goes_on() {
     }
     for to in [&broken, &whole] {
         let arguments = arguments(to);
-        let run = Command::new(env!("CARGO_BIN_EXE_enfilade")).args(arguments).output();
+        let run = Command::new(env!("CARGO_BIN_EXE_enfilade"))
+            .args(arguments)
+            .output();
         assert!(run.unwrap().status.success());
     }
     for k in 0..40 {
@@ -183,7 +198,10 @@ fn a_film_of_all_frames() {
         assert_eq!(names(folder.path()), ["rooms.toml", "walk.mp4"]);
         let probe = Command::new("ffprobe")
             .args(["-v", "error", "-count_frames", "-select_streams", "v:0"])
-            .args(["-show_entries", "stream=nb_read_frames,width,height,avg_frame_rate"])
+            .args([
+                "-show_entries",
+                "stream=nb_read_frames,width,height,avg_frame_rate",
+            ])
             .args(["-of", "csv=p=0"])
             .arg(&film)
             .output()
@@ -254,7 +272,11 @@ fn figures_for_programs_and_people() {
 fn reuse_changes_nothing_but_the_time() {
     let (folder, file) = rooms("");
     let [with, without] = ["with", "without"].map(|n| folder.path().join(n));
-    let figures = folder.path().join("figures.json").to_string_lossy().into_owned();
+    let figures = folder
+        .path()
+        .join("figures.json")
+        .to_string_lossy()
+        .into_owned();
     let read = |to: &Path, more: &[&str]| {
         let traced = ["--figures", &figures, "--renderer", "trace"];
         walk(&file, to, &[&traced, more].concat());
@@ -281,15 +303,41 @@ fn says_what_is_wrong_and_what_to_do() {
     let there = folder.path().join("frames").to_string_lossy().into_owned();
     let walk = |more: &[&str]| [&["walk", &file, "-o", &there], more].concat();
     refused(&walk(&["--path", "round"]), &["no path `round`", "through"]);
-    refused(&walk(&["--path", "through", "--tour"]), &["cannot be used with"]);
-    refused(&walk(&["--from", "3"]), &["--from 3 is after the end", "2.00 seconds"]);
+    refused(
+        &walk(&["--path", "through", "--tour"]),
+        &["cannot be used with"],
+    );
+    refused(
+        &walk(&["--from", "3"]),
+        &["--from 3 is after the end", "2.00 seconds"],
+    );
     refused(&walk(&["--fps", "0"]), &["above 0"]);
-    refused(&walk(&["--tour", "--radius", "50"]), &["room to stand", "--radius"]);
-    refused(&["walk", &file, "-o", "a.avi"], &["a folder of frames, a .gif or an .mp4"]);
+    refused(
+        &walk(&["--tour", "--radius", "50"]),
+        &["room to stand", "--radius"],
+    );
+    refused(
+        &["walk", &file, "-o", "a.avi"],
+        &["a folder of frames, a .gif or an .mp4"],
+    );
     refused(&["walk", &file, "-o", "-"], &["standard output"]);
     refused(&["walk", &file, "-o", &file], &["a folder of frames"]);
-    refused(&["walk", &level("tiny.toml"), "-o", &there, "--subdivision", "cdt", "--tour", "--renderer", "preview"], &["--subdivision"]);
-    let through_a_wall = "[[path]]\nname = \"out\"\npoints = [[1, 2, 1.6], [1, 9, 1.6]]\nseconds = 2\n";
+    refused(
+        &[
+            "walk",
+            &level("tiny.toml"),
+            "-o",
+            &there,
+            "--subdivision",
+            "cdt",
+            "--tour",
+            "--renderer",
+            "preview",
+        ],
+        &["--subdivision"],
+    );
+    let through_a_wall =
+        "[[path]]\nname = \"out\"\npoints = [[1, 2, 1.6], [1, 9, 1.6]]\nseconds = 2\n";
     let (_kept, file) = rooms(through_a_wall);
     refused(&["walk", &file, "-o", &there], &["--path", "through, out"]);
     let answer = ["walk", &file, "-o", &there, "--path", "out"];

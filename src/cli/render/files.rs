@@ -88,7 +88,11 @@ pub fn named(level_file: &Path, level: &Level) -> Vec<PathBuf> {
         Shape::Mesh { file } => Some(file),
         _ => None,
     });
-    let textures = level.scene.materials.iter().filter_map(|m| m.texture.as_ref());
+    let textures = level
+        .scene
+        .materials
+        .iter()
+        .filter_map(|m| m.texture.as_ref());
     let mut files: Vec<PathBuf> = meshes
         .chain(textures.map(|t| &t.file))
         .map(|file| folder.join(file))

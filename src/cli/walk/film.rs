@@ -100,7 +100,10 @@ fn is_prime(n: usize) -> bool {
 
 /// Finds out whether there is an ffmpeg.
 pub fn must_have_ffmpeg() -> Result<()> {
-    let run = Command::new("ffmpeg").arg("-version").stdin(Stdio::null()).output();
+    let run = Command::new("ffmpeg")
+        .arg("-version")
+        .stdin(Stdio::null())
+        .output();
     match run {
         Ok(run) if run.status.success() => Ok(()),
         _ => bail!(
@@ -122,10 +125,30 @@ pub fn mp4(
     progress.begin(frames as usize);
     let unfinished = folder.beside("unfinished.mp4");
     let mut ffmpeg = Command::new("ffmpeg")
-        .args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-        .args(["-s", &format!("{width}x{height}"), "-r", &fps.to_string(), "-i", "-"])
+        .args([
+            "-y",
+            "-loglevel",
+            "error",
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            "rgb24",
+        ])
+        .args([
+            "-s",
+            &format!("{width}x{height}"),
+            "-r",
+            &fps.to_string(),
+            "-i",
+            "-",
+        ])
         // Players want 4:2:0, and that even sizes.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        .args([
+            "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "-pix_fmt",
+            "yuv420p",
+        ])
         .args(["-movflags", "+faststart", "-f", "mp4"])
         .arg(&unfinished)
         .stdin(Stdio::piped())

@@ -112,7 +112,9 @@ impl Folder {
         for entry in entries.with_context(|| format!("cannot read {}", self.path.display()))? {
             let file = entry?.path();
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            let number = name.strip_prefix("frame-").and_then(|n| n.strip_suffix(".png"));
+            let number = name
+                .strip_prefix("frame-")
+                .and_then(|n| n.strip_suffix(".png"));
             let number = number.and_then(|n| n.parse::<u32>().ok());
             // Whatever else is called so is not ours.
             if number.is_some_and(|k| k >= n) && note(&file).is_some() {
