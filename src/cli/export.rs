@@ -1,6 +1,6 @@
 //! `enfilade export`: a level's cells and visibility in the formats of other programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
@@ -10,7 +10,8 @@ use super::level_args::{DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
 use super::output::{self, Output};
 use super::{Answer, complain, progress};
 use crate::cells::{CellGraph, Options, Subdivision, subdivide};
-use crate::level::Level;
+use crate::level::scene::{Object, Shape};
+use crate::level::{Level, toml};
 use crate::pvs::sample::SampleOptions;
 use crate::pvs::{Method, Progress, Pvs, sectors, sweep};
 use crate::report::json;
@@ -29,6 +30,7 @@ enum Format {
     Reject(RejectArgs),
     Prt(PrtArgs),
     Json(JsonArgs),
+    Toml(TomlArgs),
 }
 
 /// Copy a WAD, with exact REJECT lumps: which sectors never see each other.
@@ -83,6 +85,22 @@ struct JsonArgs {
     quiet: bool,
 }
 
+/// Write the level in the own format: of a Doom map, its sectors and lines.
+///
+/// The new file reads as the same level, with the same cells and visible sets. What the format has
+/// no words for (a Doom map's textures) is left out, and named.
+#[derive(Debug, Args)]
+struct TomlArgs {
+    #[command(flatten)]
+    level: LevelArgs,
+    /// The new file (`-`: standard output)
+    #[arg(long, short, value_name = "FILE.toml")]
+    output: PathBuf,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
 #[derive(Debug, Args)]
 struct CellArgs {
     /// How the plan is cut into cells
@@ -110,6 +128,7 @@ pub fn run(args: &ExportArgs) -> Result<Answer> {
         Format::Reject(args) => reject(args),
         Format::Prt(args) => portals(args),
         Format::Json(args) => as_json(args),
+        Format::Toml(args) => as_toml(args),
     }
 }
 
@@ -217,6 +236,43 @@ fn as_json(args: &JsonArgs) -> Result<Answer> {
     output.write(|out| json::write(out, level, graph, pvs, seconds))?;
     output::commit([output])?;
     Ok(Answer::Yes)
+}
+
+fn as_toml(args: &TomlArgs) -> Result<Answer> {
+    let level = args.level.read()?;
+    let written = toml::write::write(&level)
+        .map_err(|error| anyhow::anyhow!("{}: {error}", args.level.level.display()))?;
+    let mut output = Output::create(&args.output)?;
+    output.write(|out| out.write_all(written.text.as_bytes()))?;
+    output::commit([output])?;
+    if !args.quiet {
+        warn_of(&level.findings);
+        let (walls, sectors) = (
+            count(level.walls.len(), "wall"),
+            count(level.sectors.len(), "sector"),
+        );
+        complain(&format!("{}: {walls}, {sectors}", level.name));
+        for what in &written.left_out {
+            complain(&format!("{}: left out: {what}", level.name));
+        }
+        if names_files(&level) && !output::is_stdout(&args.output) {
+            let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_path_buf();
+            if folder(&args.output) != folder(&args.level.level) {
+                complain(&format!(
+                    "{}: its pictures and meshes are looked for beside the new file; copy them there",
+                    level.name
+                ));
+            }
+        }
+    }
+    Ok(Answer::Yes)
+}
+
+/// Whether a level needs files beside its own.
+fn names_files(level: &Level) -> bool {
+    let scene = &level.scene;
+    let mesh = |o: &Object| matches!(o.shape, Shape::Mesh { .. });
+    scene.objects.iter().any(mesh) || scene.materials.iter().any(|m| m.texture.is_some())
 }
 
 fn cells(level: &LevelArgs, cells: &CellArgs, quiet: bool) -> Result<(Level, CellGraph)> {

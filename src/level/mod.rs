@@ -8,6 +8,7 @@ pub mod draft;
 pub mod dress;
 pub mod finding;
 mod model;
+pub mod outline;
 pub mod read;
 pub mod scene;
 pub mod snap;

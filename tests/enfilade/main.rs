@@ -16,6 +16,7 @@ mod cli;
 mod drawing;
 mod drawn_studies;
 mod explain;
+mod exported;
 mod eye;
 mod generated;
 mod hard;

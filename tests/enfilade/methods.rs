@@ -76,7 +76,7 @@ fn toml_levels(folder: &str) -> Vec<(String, Level)> {
 }
 
 /// Maps of Freedoom; none where it is not installed.
-fn freedoom(file: &str, names: &[&str]) -> Vec<(String, Level)> {
+pub fn freedoom(file: &str, names: &[&str]) -> Vec<(String, Level)> {
     let path = Path::new("/usr/share/games/doom").join(file);
     let Ok(bytes) = fs::read(&path) else {
         let missing = format!("{} is not there; install Freedoom", path.display());

@@ -18,11 +18,11 @@ use super::record::{
 };
 use super::source::SourceText;
 
-const USUAL_DIFFUSE: f64 = 0.8;
-const USUAL_SHININESS: f64 = 32.0;
-const USUAL_IOR: f64 = 1.5;
-const USUAL_FOV: f64 = 60.0;
-const USUAL_SPOT_ANGLE: f64 = 45.0;
+pub(super) const USUAL_DIFFUSE: f64 = 0.8;
+pub(super) const USUAL_SHININESS: f64 = 32.0;
+pub(super) const USUAL_IOR: f64 = 1.5;
+pub(super) const USUAL_FOV: f64 = 60.0;
+pub(super) const USUAL_SPOT_ANGLE: f64 = 45.0;
 
 /// The scene of a file.
 pub(super) fn read_scene(

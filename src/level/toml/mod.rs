@@ -40,6 +40,7 @@
 //! |---|---|
 //! | `name` | name for people; otherwise the file's name |
 //! | `unit` | name of the unit of length; `"m"` |
+//! | `numbers` | `"decimal"`; `"binary"` where coordinates are whole numbers or binary fractions (a converted Doom map): the grid's step is then a power of two |
 //! | `start` | only in a level without rooms: points `[[x, y], …]` in its inside. What walls enclose around one of them is the level; without any, whatever walls enclose |
 //! | `[defaults]` | `floor` (0), `ceiling` (3 above the floor), `materials = { walls, floor, ceiling }`, and heights for openings that do not give their own: `door_height`, `window_sill`, `window_height`, `archway_height` (otherwise from floor to ceiling) |
 //! | `[budget]` | limits for reports: `max_visible_cells`, `max_visible_walls`, `max_density` (0 to 1) |
@@ -47,10 +48,12 @@
 //! # Plan
 //! | table | keys |
 //! |---|---|
-//! | `[[room]]` | `name`; `rect = [x0, y0, x1, y1]` or `outline = [[x, y], …]`; `floor`, `ceiling` (z); `materials = { walls, floor, ceiling }` |
-//! | `[[zone]]` | a step, dais, stair or lowered ceiling inside a room: a change of height without a wall. `name`; `rect` or `outline`; `floor`, `ceiling` (those of the room around it unless given); `materials = { floor, ceiling }`. Where zones overlap, the last one counts |
+//! | `[[room]]` | `name`; `rect = [x0, y0, x1, y1]` or `outline = [[x, y], …]`; `floor`, `ceiling` (z); what moves has its lowest and highest place, too: `floor_range`, `ceiling_range` (`[low, high]`); `light` (brightness, 0 to 1); `materials = { walls, floor, ceiling }` |
+//! | `[[zone]]` | a step, dais, stair or lowered ceiling inside a room: a change of height without a wall. `name`; `rect` or `outline`; `floor`, `ceiling`, their ranges, `light` (those of the room around it unless given); `materials = { floor, ceiling }`. Where zones overlap, the last one counts |
 //! | `[[wall]]` | a wall that stands free or divides a room: `points = [[x, y], …]`, `closed = true` to join the last to the first; `name`, `material`. It is no room's outline, but openings can be cut into it |
 //! | `[[pillar]]` | a solid: `center` (or several: `centers`), `radius`, `sides` (16), `rotation` (0: a corner to the east); or `rect`; or `outline`; `name`, `material`. Its inside is outside the level; no opening can be cut into it |
+//! | `[[line]]` | the plainest wall, as programs write it: `points = [[x, y], …]`; `kind`: `"solid"` (the usual one; no opening can be cut into it), `"wall"`, `"edge"` (see-through), `"door"`, `"window"`, `"archway"`; `state`, `name`, `material`, and of openings `bottom` and `top`, as below; `left`, `right`, see below |
+//! | `[[sector]]` | a place in a level without rooms whose lines say where it is: `[[line]]`s name the sector on their `left` and `right` by its number in the file, from 0 (nothing: outside). `name`; `floor`, `ceiling`, `floor_range`, `ceiling_range`, `light`; `materials = { floor, ceiling }`. Such a level has lines only: no rooms, zones, walls, pillars, `start`, or openings but as lines |
 //! | `[[door]]`, `[[window]]`, `[[archway]]` | an opening, see below. `[[opening]]` is another word for an archway |
 //!
 //! # Openings
@@ -90,8 +93,10 @@ mod opening;
 mod outline;
 mod plan;
 mod record;
+mod sides;
 mod source;
 mod standing;
+pub mod write;
 
 use std::path::Path;
 
@@ -100,11 +105,12 @@ pub use error::TomlError;
 use self::furnish::read_scene;
 use self::names::Names;
 use self::opening::add_openings;
-use self::plan::{Plan, read_plan, vec2};
+use self::plan::{Plan, numbers, read_plan, vec2};
 use self::record::File;
+use self::sides::add_lines;
 use self::source::SourceText;
 use super::Level;
-use super::draft::{Draft, DraftInterior, Numbers};
+use super::draft::{Draft, DraftInterior};
 use super::model::OpeningStyle;
 use super::snap::snap;
 
@@ -133,12 +139,14 @@ fn read_draft(text: &str, source: &str) -> Result<Draft, TomlError> {
     ] {
         add_openings(&mut plan, style, tables, &file.defaults)?;
     }
+    add_lines(&mut plan, &file)?;
     let interior = interior(&plan, &file)?;
+    let numbers = numbers(&file);
     Ok(Draft {
         name: file.name.unwrap_or_else(|| stem(source)),
         source: source.to_string(),
         unit: file.unit.unwrap_or_else(|| "m".to_string()),
-        numbers: Numbers::Decimal,
+        numbers,
         walls: plan.walls,
         sectors: plan.sectors,
         outlines: plan.outlines,
@@ -148,8 +156,12 @@ fn read_draft(text: &str, source: &str) -> Result<Draft, TomlError> {
     })
 }
 
-/// A level with rooms is what they enclose; one without is what its walls enclose.
+/// A level with rooms is what they enclose; one with sectors is where its lines name one; any other
+/// is what its walls enclose.
 fn interior(plan: &Plan, file: &File) -> Result<DraftInterior, TomlError> {
+    if !file.sector.is_empty() {
+        return Ok(DraftInterior::Sides);
+    }
     if file.room.is_empty() {
         let starts = file.start.iter().map(|p| vec2(*p.get_ref())).collect();
         return Ok(DraftInterior::Enclosed { starts });

@@ -6,9 +6,10 @@ use toml::Spanned;
 use super::super::draft::DraftWall;
 use super::super::finding::Place;
 use super::super::model::{Opening, OpeningStyle, WallKind};
+use super::super::outline::side as side_of;
 use super::super::snap::touch;
 use super::error::TomlError;
-use super::outline::{contains, side as side_of};
+use super::outline::contains;
 use super::plan::{Edge, Plan, find_material, ring, vec2};
 use super::record::{Defaults, DoorState, Name, OpeningTable, Point2, Side, Tables};
 

@@ -7,6 +7,7 @@ use glam::DVec2;
 use crate::geom::{Grid, GridPoint};
 
 use super::super::finding::Place;
+use super::super::outline::{doubled_area, self_meeting, side};
 use super::super::snap::RawPoint;
 use super::error::TomlError;
 
@@ -35,23 +36,16 @@ pub(super) fn check(
             what: what.into(),
         });
     }
-    for i in 0..n {
-        for j in i + 1..n {
-            if edges_meet(&points, i, j) {
-                return Err(TomlError::SelfCrossing {
-                    place: corners[j].place,
-                    what: what.into(),
-                    edge: edge_name(corners, j),
-                    other: edge_name(corners, i),
-                    other_place: corners[i].place,
-                });
-            }
-        }
+    if let Some((j, i)) = self_meeting(&points) {
+        return Err(TomlError::SelfCrossing {
+            place: corners[j].place,
+            what: what.into(),
+            edge: edge_name(corners, j),
+            other: edge_name(corners, i),
+            other_place: corners[i].place,
+        });
     }
-    let doubled_area: i128 = (0..n)
-        .map(|i| cross(points[0], points[i], points[(i + 1) % n]))
-        .sum();
-    Ok(doubled_area > 0)
+    Ok(doubled_area(&points) > 0)
 }
 
 /// The corners on the grid; an error where one occurs twice.
@@ -85,45 +79,8 @@ fn edge_name(corners: &[RawPoint], i: usize) -> String {
     format!("({}, {}) to ({}, {})", a.x, a.y, b.x, b.y)
 }
 
-/// Whether edges `i < j` share more than the corner that neighbours share.
-fn edges_meet(points: &[GridPoint], i: usize, j: usize) -> bool {
-    let n = points.len();
-    let (a, b) = (points[i], points[(i + 1) % n]);
-    let (c, d) = (points[j], points[(j + 1) % n]);
-    if j == i + 1 {
-        return folds_back(a, b, d);
-    }
-    if (j + 1) % n == i {
-        return folds_back(c, a, b);
-    }
-    let crosses = side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
-    let touches = |p, q, r| side(p, q, r) == 0 && dot(p, r, q) >= 0 && dot(q, r, p) >= 0;
-    crosses || touches(a, b, c) || touches(a, b, d) || touches(c, d, a) || touches(c, d, b)
-}
-
-/// Whether the edge from `b` to `c` runs back along the edge from `a` to `b`.
-fn folds_back(a: GridPoint, b: GridPoint, c: GridPoint) -> bool {
-    side(a, b, c) == 0 && dot(b, a, c) > 0
-}
-
-/// 1 where `p` is left of the line from `a` to `b`, -1 where right, 0 on it.
-pub(super) fn side(a: GridPoint, b: GridPoint, p: GridPoint) -> i128 {
-    cross(a, b, p).signum()
-}
-
-fn cross(a: GridPoint, b: GridPoint, p: GridPoint) -> i128 {
-    let (dx, dy) = (i128::from(b.x - a.x), i128::from(b.y - a.y));
-    dx * i128::from(p.y - a.y) - dy * i128::from(p.x - a.x)
-}
-
-/// Dot product of `b - a` and `c - a`.
-fn dot(a: GridPoint, b: GridPoint, c: GridPoint) -> i128 {
-    let (dx, dy) = (i128::from(b.x - a.x), i128::from(b.y - a.y));
-    dx * i128::from(c.x - a.x) + dy * i128::from(c.y - a.y)
-}
-
 /// Whether `p` lies inside the polygon (f64: for points that are well away from its edges).
-pub(super) fn contains(polygon: &[DVec2], p: DVec2) -> bool {
+pub(in crate::level) fn contains(polygon: &[DVec2], p: DVec2) -> bool {
     let mut inside = false;
     for (i, &a) in polygon.iter().enumerate() {
         let b = polygon[(i + 1) % polygon.len()];
@@ -136,7 +93,7 @@ pub(super) fn contains(polygon: &[DVec2], p: DVec2) -> bool {
 
 /// A point inside a simple polygon: in the triangle at its lowest corner, or half-way from there
 /// to the corner that reaches into that triangle farthest (O'Rourke, Computational Geometry in C).
-pub(super) fn inner_point(polygon: &[DVec2]) -> DVec2 {
+pub(in crate::level) fn inner_point(polygon: &[DVec2]) -> DVec2 {
     let n = polygon.len();
     let lowest = (0..n)
         .min_by(|&i, &j| {

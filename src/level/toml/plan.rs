@@ -19,7 +19,8 @@ use super::error::TomlError;
 use super::names::Names;
 use super::outline::{check, contains, inner_point};
 
-use super::record::{Corners, File, Finite, Name, Point2};
+use super::record::{Corners, File, Finite, Name, NumbersKind, Point2};
+use super::sides::{add_sectors, height};
 use super::source::SourceText;
 use super::standing::{add_free_walls, add_pillars, round_pillars};
 
@@ -96,7 +97,8 @@ pub(super) fn read_plan<'a>(
     // walls of pillars and the free-standing ones follow those of the rooms.
     add_zones(&mut plan, file)?;
     add_free_walls(&mut plan, file)?;
-    if file.room.is_empty() {
+    add_sectors(&mut plan, file)?;
+    if file.room.is_empty() && file.sector.is_empty() {
         plan.sectors.insert(0, whole_level(file, floor, ceiling));
         for outline in &mut plan.outlines {
             outline.sector = outline.sector.map(|s| SectorId(s.0 + 1));
@@ -142,8 +144,10 @@ fn provisional_grid(source: &SourceText, file: &File) -> Result<Grid, TomlError>
         let rings = round_pillars(source, table)?;
         points.extend(rings.into_iter().flatten());
     }
-    for wall in &file.wall {
-        points.extend(written_points(source, &wall.get_ref().points));
+    let walls = file.wall.iter().map(|wall| &wall.get_ref().points);
+    let lines = file.line.iter().map(|line| &line.get_ref().points);
+    for corners in walls.chain(lines) {
+        points.extend(written_points(source, corners));
     }
     // The ends of openings may have more decimals; a stray one must not stretch the grid.
     let low = points.iter().map(|p| p.at).reduce(DVec2::min);
@@ -162,7 +166,15 @@ fn provisional_grid(source: &SourceText, file: &File) -> Result<Grid, TomlError>
             origin: [0, 0],
         });
     }
-    Ok(choose_grid(Numbers::Decimal, &points)?)
+    Ok(choose_grid(numbers(file), &points)?)
+}
+
+/// What kind of numbers a file says that its coordinates are.
+pub(super) fn numbers(file: &File) -> Numbers {
+    match file.numbers {
+        NumbersKind::Decimal => Numbers::Decimal,
+        NumbersKind::Binary => Numbers::Binary,
+    }
 }
 
 fn add_rooms(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
@@ -172,24 +184,23 @@ fn add_rooms(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
         let what = format!("room `{}`", room.name.get_ref());
         let corners = shape(plan, &what, place, &room.rect, &room.outline)?;
         let counterclockwise = check(&plan.grid, &what, place, &corners)?;
-        let heights = [
-            room.floor.map_or(plan.default_heights[0], |z| z.0),
-            room.ceiling.map_or(plan.default_heights[1], |z| z.0),
-        ];
-        check_heights(&what, place, heights)?;
+        let defaults = plan.default_heights.map(Height::fixed);
+        let floor = height(plan, &what, room.floor, &room.floor_range, defaults[0])?;
+        let ceiling = height(plan, &what, room.ceiling, &room.ceiling_range, defaults[1])?;
+        check_heights(&what, place, [floor, ceiling])?;
         let defaults = &file.defaults.materials;
         let walls = room.materials.walls.as_ref().or(defaults.walls.as_ref());
         let material = find_material(plan, walls)?;
         let sector = SectorId(plan.sectors.len() as u32);
-        let floor = room.materials.floor.as_ref().or(defaults.floor.as_ref());
-        let ceiling = (room.materials.ceiling.as_ref()).or(defaults.ceiling.as_ref());
+        let on_floor = room.materials.floor.as_ref().or(defaults.floor.as_ref());
+        let on_ceiling = (room.materials.ceiling.as_ref()).or(defaults.ceiling.as_ref());
         let record = Sector {
             name: Some(room.name.get_ref().clone()),
-            floor: Height::fixed(heights[0]),
-            ceiling: Height::fixed(heights[1]),
-            light: None,
-            floor_material: surface_name(plan, floor)?,
-            ceiling_material: surface_name(plan, ceiling)?,
+            floor,
+            ceiling,
+            light: room.light.map(|share| share.0),
+            floor_material: surface_name(plan, on_floor)?,
+            ceiling_material: surface_name(plan, on_ceiling)?,
             place,
         };
         plan.sectors.push(record);
@@ -203,8 +214,8 @@ fn add_rooms(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
         plan.rooms.push(RoomShape {
             corners: points,
             counterclockwise,
-            floor: heights[0],
-            ceiling: heights[1],
+            floor: floor.rest,
+            ceiling: ceiling.rest,
         });
         let area = Area {
             sector: Some(sector),
@@ -237,23 +248,22 @@ fn add_zones(plan: &mut Plan, file: &File) -> Result<(), TomlError> {
         if room.is_none() && !plan.rooms.is_empty() {
             return Err(TomlError::ZoneOutsideRooms { place, what });
         }
-        let around = room.map_or(plan.default_heights, |r| {
-            [plan.rooms[r].floor, plan.rooms[r].ceiling]
+        let around = room.map_or(plan.default_heights.map(Height::fixed), |r| {
+            [plan.sectors[r].floor, plan.sectors[r].ceiling]
         });
-        let heights = [
-            zone.floor.map_or(around[0], |z| z.0),
-            zone.ceiling.map_or(around[1], |z| z.0),
-        ];
-        check_heights(&what, place, heights)?;
+        let floor = height(plan, &what, zone.floor, &zone.floor_range, around[0])?;
+        let ceiling = height(plan, &what, zone.ceiling, &zone.ceiling_range, around[1])?;
+        check_heights(&what, place, [floor, ceiling])?;
         let surface = |own: &Option<Name>, pick: fn(&Sector) -> &Option<String>| match own {
             Some(_) => surface_name(plan, own.as_ref()),
             None => Ok(room.and_then(|r| pick(&plan.sectors[r]).clone())),
         };
         let record = Sector {
             name: zone.name.clone(),
-            floor: Height::fixed(heights[0]),
-            ceiling: Height::fixed(heights[1]),
-            light: None,
+            floor,
+            ceiling,
+            light: (zone.light.map(|share| share.0))
+                .or_else(|| room.and_then(|r| plan.sectors[r].light)),
             floor_material: surface(&zone.materials.floor, |s| &s.floor_material)?,
             ceiling_material: surface(&zone.materials.ceiling, |s| &s.ceiling_material)?,
             place,
@@ -362,7 +372,9 @@ pub(super) fn ring(corners: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + 
     corners.iter().copied().zip(next.copied())
 }
 
-fn check_heights(what: &str, place: Place, [floor, ceiling]: [f64; 2]) -> Result<(), TomlError> {
+/// A place must be one that a person can be in, if only while it stands open.
+fn check_heights(what: &str, place: Place, heights: [Height; 2]) -> Result<(), TomlError> {
+    let [floor, ceiling] = [heights[0].low, heights[1].high];
     if ceiling > floor {
         return Ok(());
     }
@@ -384,7 +396,7 @@ pub(super) fn find_material(
 }
 
 /// The name itself, once it is known that such a material exists.
-fn surface_name(plan: &Plan, name: Option<&Name>) -> Result<Option<String>, TomlError> {
+pub(super) fn surface_name(plan: &Plan, name: Option<&Name>) -> Result<Option<String>, TomlError> {
     find_material(plan, name)?;
     Ok(name.map(|n| n.get_ref().clone()))
 }

@@ -122,6 +122,8 @@ pub(super) struct File {
     pub name: Option<String>,
     pub unit: Option<String>,
     #[serde(default)]
+    pub numbers: NumbersKind,
+    #[serde(default)]
     pub start: Vec<Spanned<Point2>>,
     #[serde(default)]
     pub defaults: Defaults,
@@ -129,6 +131,10 @@ pub(super) struct File {
     pub room: Tables<Room>,
     #[serde(default)]
     pub zone: Tables<Zone>,
+    #[serde(default)]
+    pub sector: Tables<SectorTable>,
+    #[serde(default)]
+    pub line: Tables<LineTable>,
     #[serde(default)]
     pub wall: Tables<WallTable>,
     #[serde(default)]
@@ -153,6 +159,14 @@ pub(super) struct File {
     pub path: Tables<PathTable>,
     #[serde(default)]
     pub budget: BudgetTable,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum NumbersKind {
+    #[default]
+    Decimal,
+    Binary,
 }
 
 #[derive(Default, Deserialize)]
@@ -191,6 +205,9 @@ pub(super) struct Room {
     pub rect: Option<Spanned<[Finite; 4]>>,
     pub floor: Option<Finite>,
     pub ceiling: Option<Finite>,
+    pub floor_range: Option<Spanned<[Finite; 2]>>,
+    pub ceiling_range: Option<Spanned<[Finite; 2]>>,
+    pub light: Option<Share>,
     #[serde(default)]
     pub materials: Surfaces,
 }
@@ -203,8 +220,51 @@ pub(super) struct Zone {
     pub rect: Option<Spanned<[Finite; 4]>>,
     pub floor: Option<Finite>,
     pub ceiling: Option<Finite>,
+    pub floor_range: Option<Spanned<[Finite; 2]>>,
+    pub ceiling_range: Option<Spanned<[Finite; 2]>>,
+    pub light: Option<Share>,
     #[serde(default)]
     pub materials: ZoneSurfaces,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SectorTable {
+    pub name: Option<String>,
+    pub floor: Option<Finite>,
+    pub ceiling: Option<Finite>,
+    pub floor_range: Option<Spanned<[Finite; 2]>>,
+    pub ceiling_range: Option<Spanned<[Finite; 2]>>,
+    pub light: Option<Share>,
+    #[serde(default)]
+    pub materials: ZoneSurfaces,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LineTable {
+    pub name: Option<String>,
+    #[serde(default)]
+    pub kind: LineKind,
+    pub points: Corners,
+    pub left: Option<Spanned<u32>>,
+    pub right: Option<Spanned<u32>>,
+    pub state: Option<Spanned<DoorState>>,
+    pub bottom: Option<Spanned<Finite>>,
+    pub top: Option<Spanned<Finite>>,
+    pub material: Option<Name>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LineKind {
+    #[default]
+    Solid,
+    Wall,
+    Edge,
+    Door,
+    Window,
+    Archway,
 }
 
 #[derive(Deserialize)]
