@@ -6,6 +6,7 @@
 pub mod doom;
 pub mod draft;
 pub mod dress;
+pub mod edit;
 pub mod finding;
 mod model;
 pub mod outline;

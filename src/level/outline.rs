@@ -5,16 +5,41 @@
 
 use crate::geom::GridPoint;
 
-use super::model::{Level, OutlineId};
+use super::model::{Level, Outline, Wall};
 
-/// The corners of an outline, in the order of its walls; `None` where these do not go once around.
-pub fn corners(level: &Level, id: OutlineId) -> Option<Vec<GridPoint>> {
-    let walls: Vec<_> = (level.walls.iter())
-        .filter(|w| w.outline == Some(id))
-        .collect();
+/// The corners of each outline, in the order of its walls; `None` where these do not go once around.
+pub fn corners(level: &Level) -> Vec<Option<Vec<GridPoint>>> {
+    let mut walls: Vec<Vec<&Wall>> = vec![Vec::new(); level.outlines.len()];
+    for wall in &level.walls {
+        if let Some(list) = wall.outline.and_then(|id| walls.get_mut(id.0 as usize)) {
+            list.push(wall);
+        }
+    }
+    walls.iter().map(|walls| around(walls)).collect()
+}
+
+fn around(walls: &[&Wall]) -> Option<Vec<GridPoint>> {
     let closes = |i: usize| walls[i].to == walls[(i + 1) % walls.len()].from;
     let closed = walls.len() >= 3 && (0..walls.len()).all(closes);
     closed.then(|| walls.iter().map(|w| w.from).collect())
+}
+
+/// What kind of area an outline bounds: the word of the own format.
+pub fn kind(area: &Outline) -> &'static str {
+    match (area.sector, area.zone) {
+        (None, _) => "pillar",
+        (Some(_), true) => "zone",
+        (Some(_), false) => "room",
+    }
+}
+
+/// What messages call an area.
+pub fn called(level: &Level, area: &Outline) -> String {
+    let sector = area.sector.and_then(|s| level.sectors.get(s.0 as usize));
+    match sector.and_then(|s| s.name.as_deref()) {
+        Some(name) => format!("the {} `{name}`", kind(area)),
+        None => format!("a {}", kind(area)),
+    }
 }
 
 /// Two edges of a polygon that meet elsewhere than in the corner that neighbours share: the later

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use enfilade::cells::locate::Locator;
 use enfilade::cells::{CellGraph, Doors, Options, Subdivision, subdivide};
 use enfilade::geom::GridPoint;
-use enfilade::level::{Level, toml};
+use enfilade::level::edit::{self, EditError};
+use enfilade::level::{Level, OpeningStyle, WallId, toml};
 use enfilade::pvs::{Progress, Pvs, sweep};
 
 use crate::cli::{enfilade, level as level_path};
@@ -210,7 +211,7 @@ fn doom_maps_come_back() {
 fn the_command_writes_a_file_that_check_accepts() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["tiny", "museum", "house", "maze"] {
-        let from = level_path(&format!("levels/{name}.toml"));
+        let from = level_path(&format!("{name}.toml"));
         let to = folder.path().join(format!("{name}.toml"));
         let to = to.to_str().unwrap();
         let done = enfilade(&["export", "toml", &from, "-o", to]);
@@ -223,9 +224,77 @@ fn the_command_writes_a_file_that_check_accepts() {
             "{name}: {after:?}"
         );
     }
-    let done = enfilade(&["export", "toml", &level_path("levels/tiny.toml"), "-o", "-"]);
+    let done = enfilade(&["export", "toml", &level_path("tiny.toml"), "-o", "-"]);
     assert!(
         String::from_utf8_lossy(&done.stdout).contains("[[room]]"),
         "{done:?}"
     );
+}
+
+/// One change of a level, picked at random.
+fn change(level: &Level, dice: &mut Dice) -> Result<Level, EditError> {
+    let id = WallId(dice.below(level.walls.len()) as u32);
+    let wall = &level.walls[id.0 as usize];
+    let [a, b] = [wall.from, wall.to].map(|p| level.grid.to_level(p));
+    let reach = a.distance(b);
+    let mut by = || glam::DVec2::new(dice.roll() - 0.5, dice.roll() - 0.5) * reach;
+    let (far, near) = (by(), by() * 0.1);
+    match dice.below(7) {
+        0 => edit::move_point(level, wall.from, a + far),
+        1 => edit::move_point(level, wall.to, b + near),
+        2 => edit::move_wall(level, id, near),
+        3 => {
+            let opening = edit::near::opening(level, a, f64::MAX).unwrap_or(id);
+            edit::toggle(level, opening)
+        }
+        4 => {
+            let style = [
+                OpeningStyle::Door,
+                OpeningStyle::Window,
+                OpeningStyle::Archway,
+            ];
+            let width = reach * dice.roll();
+            let opening = edit::plain(style[dice.below(3)]);
+            edit::add_opening(level, id, a.lerp(b, dice.roll()), width, opening)
+        }
+        5 => {
+            let opening = edit::near::opening(level, a, f64::MAX).unwrap_or(id);
+            edit::remove_opening(level, opening)
+        }
+        _ => edit::delete_wall(level, id),
+    }
+}
+
+#[test]
+fn random_changes_give_levels_that_can_be_written() {
+    let (mut done, mut refused) = (0, 0);
+    let mut samples: Vec<_> = [levels("levels"), levels("levels/hard")].concat();
+    samples.retain(|(_, level)| level.walls.len() < 600);
+    let samples = samples
+        .into_iter()
+        .map(|(path, level)| (path.display().to_string(), level));
+    let maps = freedoom("freedoom1.wad", &["E1M1"]);
+    for (name, first) in samples.chain(maps) {
+        let mut dice = Dice(first.walls.len() as u64);
+        for _ in 0..4 {
+            let mut level = first.clone();
+            let mut before = Vec::new();
+            for _ in 0..12 {
+                match change(&level, &mut dice) {
+                    Ok(new) => {
+                        before.push(std::mem::replace(&mut level, new));
+                        done += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+            cells(&level)
+                .validate()
+                .unwrap_or_else(|e| panic!("{name}: {e}"));
+            let back = written(&name, &level);
+            assert_eq!(back.walls.len(), level.walls.len(), "{name}");
+        }
+    }
+    println!("{done} changes, {refused} refused");
+    assert!(done > 1000 && refused > 100, "{done}, {refused}");
 }

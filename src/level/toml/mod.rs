@@ -105,6 +105,7 @@ pub use error::TomlError;
 use self::furnish::read_scene;
 use self::names::Names;
 use self::opening::add_openings;
+pub(super) use self::outline::{contains, inner_point};
 use self::plan::{Plan, numbers, read_plan, vec2};
 use self::record::File;
 use self::sides::add_lines;

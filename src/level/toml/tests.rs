@@ -558,3 +558,74 @@ fn is_inside(level: &Level, p: DVec2) -> bool {
         .rfind(|(outline, within)| *within && !outline.zone)
         .is_some_and(|(outline, _)| outline.sector.is_some())
 }
+
+const SECTORS: &str = "numbers = 'binary'\n[[sector]]\nceiling = 128\n\
+                       [[line]]\nright = 0\npoints = [[0, 0], [0, 64], [64, 64], [64, 0], [0, 0]]\n";
+
+#[test]
+fn lines_name_the_sectors_on_their_sides() {
+    let level = level(SECTORS);
+    assert_eq!(level.interior, Interior::Sides);
+    assert_eq!((level.walls.len(), level.n_vertices), (4, 4));
+    assert!(level.walls.iter().all(|w| {
+        (w.kind == WallKind::Solid) && (w.left, w.right) == (None, Some(SectorId(0)))
+    }));
+    assert_eq!(level.sectors[0].ceiling.rest, 128.0);
+    assert_eq!(level.grid.step, crate::geom::Step::Binary(0));
+}
+
+#[test]
+fn lines_stand_in_levels_with_rooms_too() {
+    let level = two_rooms(
+        "[[line]]\nkind = 'door'\nstate = 'open'\npoints = [[6, 1], [6, 2]]\ntop = 2\n\
+         [[line]]\npoints = [[1, 1], [2, 2], [3, 1]]\n",
+    );
+    let kinds: Vec<&WallKind> = level.walls[8..].iter().map(|w| &w.kind).collect();
+    let [WallKind::Opening(door), WallKind::Solid, WallKind::Solid] = kinds[..] else {
+        panic!("{kinds:?}");
+    };
+    assert_eq!((door.shut, door.bottom, door.top), (false, None, Some(2.0)));
+}
+
+#[test]
+fn mistakes_in_sectors_and_lines() {
+    let line = |more: &str| format!("[[line]]\npoints = [[0, 0], [1, 1]]\n{more}");
+    for (text, expected) in [
+        (
+            format!("{SECTORS}[[room]]\nname = 'R'\nrect = [0, 0, 1, 1]"),
+            "line 7, column 1: a level with `[[sector]]`s has no `room`; remove it",
+        ),
+        (
+            format!("{SECTORS}{}", line("left = 1")),
+            "line 9, column 8: there is no sector 1; the 1 of this level are numbered from 0",
+        ),
+        (
+            format!("{TWO_ROOMS}{}", line("left = 0")),
+            "a line in a level without `[[sector]]`s has no `left`; remove it",
+        ),
+        (
+            line("state = 'open'"),
+            "line 3, column 9: a solid line has no `state`; remove it",
+        ),
+        (
+            line("kind = 'edge'\nbottom = 1"),
+            "line 4, column 10: an edge has no `bottom`; remove it",
+        ),
+        (
+            line("kind = 'window'\nbottom = 2\ntop = 1"),
+            "line 5, column 7: the opening's top (1) is not above its bottom (2)",
+        ),
+        (
+            "[[line]]\npoints = [[0, 0]]".to_string(),
+            "line 1, column 1: line 0 has 1 corners; it needs at least 2",
+        ),
+        (
+            "[[room]]\nname = 'R'\nrect = [0, 0, 1, 1]\nfloor_range = [1, 2]".to_string(),
+            "line 4, column 15: the range of room `R` goes from 1 to 2, which does not hold the \
+             height at which it starts, 0; write `[low, high]` around it",
+        ),
+    ] {
+        let error = error(&text);
+        assert!(error.contains(expected), "{error}\n{text}");
+    }
+}

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::geom::{GridPoint, Step};
 
 use super::super::super::model::{
-    Height, Interior, Level, OpeningStyle, Outline, OutlineId, Sector, Wall, WallKind,
+    Height, Interior, Level, OpeningStyle, OutlineId, Sector, Wall, WallKind,
 };
 use super::super::super::outline;
 use super::text::{Text, names, numbers, point};
@@ -140,14 +140,15 @@ fn outlines(
     left_out: &mut Vec<String>,
 ) -> Result<(), WriteError> {
     let mut taken = HashSet::new();
-    for (id, area) in (0u32..).map(OutlineId).zip(&level.outlines) {
+    let corners = outline::corners(level);
+    for ((id, area), corners) in (0u32..).map(OutlineId).zip(&level.outlines).zip(corners) {
         let sector = area.sector.and_then(|s| level.sectors.get(s.0 as usize));
         let name = sector.and_then(|s| s.name.as_deref());
-        let what = what(area, name);
-        let Some(corners) = outline::corners(level, id) else {
+        let what = outline::called(level, area);
+        let Some(corners) = corners else {
             return Err(WriteError::NotClosed { what });
         };
-        text.head(&format!("[[{}]]", kind(area)));
+        text.head(&format!("[[{}]]", outline::kind(area)));
         match name {
             Some(name) if area.zone || taken.insert(name.to_string()) => {
                 text.string("name", Some(name));
@@ -187,22 +188,6 @@ fn outlines(
         }
     }
     Ok(())
-}
-
-fn kind(area: &Outline) -> &'static str {
-    match (area.sector, area.zone) {
-        (None, _) => "pillar",
-        (Some(_), true) => "zone",
-        (Some(_), false) => "room",
-    }
-}
-
-/// What messages call an area.
-pub(super) fn what(area: &Outline, name: Option<&str>) -> String {
-    match name {
-        Some(name) => format!("the {} `{name}`", kind(area)),
-        None => format!("a {}", kind(area)),
-    }
 }
 
 /// `rect`, where the corners are in the order in which the reader makes them of one.
