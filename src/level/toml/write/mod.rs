@@ -19,7 +19,7 @@ mod plan;
 mod text;
 
 use self::text::Text;
-use super::super::model::{Interior, Level, OpeningStyle, Wall, WallKind};
+use super::super::model::{Height, Interior, Level, OpeningStyle, Sector, Wall, WallKind};
 use super::error::TomlError;
 
 /// A level as a text.
@@ -101,10 +101,18 @@ fn compare(level: &Level, written: &Written) -> Result<(), WriteError> {
     if areas(level) != areas(&back) {
         return differs("an outline");
     }
+    // The level as a whole has neither light nor movement in a file.
+    let whole = matches!(level.interior, Interior::Enclosed { .. });
     let heights = |l: &Level| -> Vec<_> {
-        (l.sectors.iter())
-            .map(|s| (s.floor, s.ceiling, s.light))
-            .collect()
+        let all = |(i, s): (usize, &Sector)| match i {
+            0 if whole => (
+                Height::fixed(s.floor.rest),
+                Height::fixed(s.ceiling.rest),
+                None,
+            ),
+            _ => (s.floor, s.ceiling, s.light),
+        };
+        l.sectors.iter().enumerate().map(all).collect()
     };
     // A level of mere walls has no sectors, and is given the usual one.
     if !level.sectors.is_empty() && heights(level) != heights(&back) {

@@ -29,6 +29,7 @@ pub(super) fn plan(
             text.head(&format!("[[sector]]  # {number}"));
             text.string("name", sector.name.as_deref());
             place(text, sector, None);
+            materials(text, sector, None);
         }
         lines(text, level, |_| true);
         return Ok(());
@@ -132,6 +133,18 @@ fn place(text: &mut Text, sector: &Sector, usual: Usual) {
     text.number("light", sector.light);
 }
 
+/// What is on the walls, the floor and the ceiling.
+fn materials(text: &mut Text, sector: &Sector, walls: Option<&str>) {
+    let surfaces = names(&[
+        ("walls", walls),
+        ("floor", sector.floor_material.as_deref()),
+        ("ceiling", sector.ceiling_material.as_deref()),
+    ]);
+    if let Some(names) = surfaces {
+        text.key("materials", &names);
+    }
+}
+
 /// The areas, in their order: each gives way to those after it.
 fn outlines(
     text: &mut Text,
@@ -178,14 +191,7 @@ fn outlines(
             continue;
         };
         place(text, sector, usual.filter(|_| !area.zone));
-        let walls = ("walls", material.filter(|_| !area.zone));
-        let flats = [
-            ("floor", sector.floor_material.as_deref()),
-            ("ceiling", sector.ceiling_material.as_deref()),
-        ];
-        if let Some(names) = names(&[walls, flats[0], flats[1]]) {
-            text.key("materials", &names);
-        }
+        materials(text, sector, material.filter(|_| !area.zone));
     }
     Ok(())
 }
