@@ -149,7 +149,7 @@ fn doors_are_toggled_walled_up_and_cut() {
     assert!(shut(&toggle(&open, door(&open)).unwrap()));
 
     let without = remove_opening(&level, door(&level)).unwrap();
-    assert_eq!(openings(&without), [[v(0.0, 0.0); 2]; 0]);
+    assert!(openings(&without).is_empty());
     let wall = near::wall(&without, v(6.0, 3.0), 0.1).unwrap();
     let cut =
         |l: &Level, at: DVec2, width| add_opening(l, wall, at, width, plain(OpeningStyle::Window));

@@ -145,7 +145,7 @@ mod tests {
             4.000_000_000_5e11,
             5e-324,
             -1e-9,
-            123_456.0625,
+            123_456.062_5,
         ] {
             let text = format!("x = {}", number(x));
             let table: toml::Table = text.parse().unwrap();
