@@ -155,13 +155,25 @@ impl<'a> Painter<'a> {
         options: &Options,
         easel: &mut Easel,
     ) -> Result<Figures, EyeError> {
-        let cell = locate(self.world, self.graph, &self.locator, camera.eye)?;
+        self.draw_chosen(camera, camera, options, easel)
+    }
+
+    /// As [`Painter::draw`], of the cells that are to be drawn for another camera: what that one sees, looked
+    /// at from elsewhere, be it from outside of the level.
+    pub fn draw_chosen(
+        &self,
+        camera: &Camera,
+        chosen_by: &Camera,
+        options: &Options,
+        easel: &mut Easel,
+    ) -> Result<Figures, EyeError> {
+        let cell = locate(self.world, self.graph, &self.locator, chosen_by.eye)?;
         let view = View::new(camera);
         let mut figures = Figures {
             all: self.polygons.iter().len() as u64,
             ..Figures::default()
         };
-        self.choose(camera, cell, options.culling, easel)?;
+        self.choose(chosen_by, cell, options.culling, easel)?;
         let mut jobs = Vec::new();
         easel.lines.clear();
         easel.windows.clear();
