@@ -1,20 +1,16 @@
 //! `enfilade walk`: a walk through a level, frame by frame.
 
-use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use clap::Args;
 
-use super::level_args::LevelArgs;
 use super::output::{self, Output};
-use super::render::trace_args::{Asked, TraceArgs, positive};
-use super::render::{Renderer, files, painter, viewpoint};
-use super::stage::{self, Stage, StageArgs};
+use super::render::trace_args::Asked;
+use super::render::{Renderer, files, painter};
+use super::stage::{self, Stage};
 use super::{Answer, progress};
-use crate::level::Level;
 use crate::preview::{self, Easel, Painter};
 use crate::pvs::Progress;
 use crate::report::walkthrough;
@@ -25,109 +21,20 @@ use crate::trace::picture::Exposure;
 use crate::trace::render::render;
 use crate::walk::figures::{self, Frame, Summary};
 use crate::walk::frame::{Counts, Guide};
-use crate::walk::{Ground, Person, Tour, Track, TrackOptions, opened, tour};
+use crate::walk::{Ground, Tour, Track, TrackOptions, opened, tour};
 
+mod args;
 mod film;
 mod frames;
+mod words;
+
+pub use args::WalkArgs;
 
 use frames::Folder;
+use words::{length, text};
 
 /// The angle of view of a tour.
 const FOV: f64 = 75.0;
-
-/// Draw a walk through a level: numbered frames, an animated GIF, or a film.
-///
-/// Frames that are there already and need no change are kept, so a walk that was interrupted goes on
-/// where it was.
-#[derive(Debug, Args)]
-pub struct WalkArgs {
-    #[command(flatten)]
-    level: LevelArgs,
-    /// Folder for frames frame-00000.png …, or a .gif, or (with ffmpeg on the path) an .mp4
-    #[arg(short, long, value_name = "DIR|FILE")]
-    output: PathBuf,
-    /// Along this path of the level [default: its only one]
-    #[arg(long, value_name = "NAME")]
-    path: Option<String>,
-    /// Through every room or sector that can be reached on foot
-    #[arg(long, conflicts_with = "path")]
-    tour: bool,
-    /// Ray tracing, or the polygons painted from back to front
-    #[arg(long, value_enum, value_name = "HOW", default_value = "trace")]
-    renderer: Renderer,
-    /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "640x400", value_parser = viewpoint::size)]
-    size: [u32; 2],
-    /// Frames per second
-    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = positive)]
-    fps: f64,
-    /// Horizontal angle of view in degrees, below 180 [default: the path's, or 75]
-    #[arg(long, value_name = "DEGREES", value_parser = viewpoint::angle)]
-    fov: Option<f64>,
-    /// Begin so many seconds after the start of the walk
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
-    #[arg(value_parser = super::render::trace_args::not_negative)]
-    from: f64,
-    /// End so many seconds after the start of the walk
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    to: Option<f64>,
-    /// Write a row of figures for each frame: .csv or .json (`-`: JSON on standard output)
-    #[arg(long, value_name = "FILE")]
-    figures: Option<PathBuf>,
-    /// Write a page with charts of what culling saves along the walk
-    #[arg(long, value_name = "FILE.html")]
-    chart: Option<PathBuf>,
-    /// With a .gif or .mp4: leave the frames in FILE.frames afterwards
-    #[arg(long)]
-    keep_frames: bool,
-    /// Find out anew in every frame what neighbouring frames share, to see what that saves
-    #[arg(long)]
-    no_reuse: bool,
-    #[command(flatten)]
-    person: PersonArgs,
-    #[command(flatten)]
-    trace: TraceArgs,
-    #[command(flatten)]
-    stage: StageArgs,
-}
-
-/// Who goes on a tour; lengths in the level's unit.
-#[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Who goes on a tour [default: an adult, in metres; Doom's player]")]
-struct PersonArgs {
-    /// Half of the width that he needs
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    radius: Option<f64>,
-    /// Height that he needs
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    stature: Option<f64>,
-    /// Height of his eyes over the floor
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    eye_height: Option<f64>,
-    /// Highest step that he takes
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    step: Option<f64>,
-    /// Deepest drop that he takes
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    drop: Option<f64>,
-    /// Length that he walks in a second
-    #[arg(long, value_name = "LENGTH", value_parser = positive)]
-    speed: Option<f64>,
-}
-
-impl PersonArgs {
-    fn person(&self, level: &Level) -> Person {
-        let usual = Person::of_unit(&level.unit);
-        Person {
-            radius: self.radius.unwrap_or(usual.radius),
-            height: self.stature.unwrap_or(usual.height),
-            eye: self.eye_height.unwrap_or(usual.eye),
-            step: self.step.unwrap_or(usual.step),
-            drop: self.drop.unwrap_or(usual.drop),
-            speed: self.speed.unwrap_or(usual.speed),
-        }
-    }
-}
 
 /// What comes out.
 #[derive(Clone, Copy, PartialEq)]
@@ -205,6 +112,10 @@ pub fn run(args: &WalkArgs) -> Result<Answer> {
         let inside = guide.cell(camera);
         inside.with_context(|| format!("{}, after {at:.2} seconds", route.name))?;
     }
+    if args.renderer == Renderer::Preview {
+        // Before anything is written.
+        painter(&stage)?;
+    }
     let place = match kind {
         Kind::Folder => args.output.clone(),
         _ => {
@@ -238,10 +149,10 @@ pub fn run(args: &WalkArgs) -> Result<Answer> {
         }
     }
     let summary = Summary::of(&done.frames);
+    let seconds = f64::from(n) / args.fps;
     let walk = walkthrough::Walk {
         level: &stage.level.name,
         source: &stage.level.source,
-        unit: &stage.level.unit,
         route: &route.name,
         renderer: match args.renderer {
             Renderer::Trace => "trace",
@@ -249,8 +160,11 @@ pub fn run(args: &WalkArgs) -> Result<Answer> {
         },
         size: args.size,
         fps: args.fps,
-        seconds: n as f64 / args.fps,
-        length: route.track.length(),
+        seconds,
+        length: &length(
+            route.track.length() * (seconds / route.track.seconds().max(seconds)),
+            &stage.level.unit,
+        ),
         frames: &done.frames,
         summary: &summary,
     };
@@ -547,117 +461,4 @@ fn write_papers(papers: [Option<&Path>; 2], walk: &walkthrough::Walk) -> Result<
         files.push(file);
     }
     output::commit(files)
-}
-
-/// What there is to say.
-fn text(
-    args: &WalkArgs,
-    stage: &Stage,
-    route: &Route,
-    done: &Done,
-    walk: &walkthrough::Walk,
-    [drawing, writing]: [f64; 2],
-) -> String {
-    const COLUMNS: usize = 60;
-    let mut text = String::new();
-    let [width, height] = args.size;
-    _ = writeln!(
-        text,
-        "walk        {}, {:.1} {}s in {:.1} s: {} frames of {width} × {height}, {} a second",
-        route.name,
-        walk.length,
-        walk.unit,
-        walk.seconds,
-        walk.frames.len(),
-        args.fps
-    );
-    if let Some(tour) = &route.tour {
-        let all = tour.visits.len() + tour.missed.len();
-        _ = writeln!(text, "visits      {} of {all} sectors", tour.visits.len());
-        for (barrier, names) in missed(tour, &stage.level) {
-            _ = writeln!(text, "            not {names}: {barrier}");
-        }
-    }
-    _ = write!(
-        text,
-        "frames      {} drawn, {} kept",
-        walk.frames.len() - done.kept,
-        done.kept
-    );
-    match done.removed {
-        0 => text.push('\n'),
-        n => _ = writeln!(text, ", {n} of a longer walk taken away"),
-    }
-    let summary = walk.summary;
-    let most = (walk.frames.iter()).flat_map(|f| f.polygons.factors());
-    let most = most.fold(1.0, f64::max);
-    let rows = [
-        ("backs", summary.factor_facing, 0),
-        ("PVS", summary.factor_pvs, 1),
-        ("eye", summary.factor_eye, 2),
-    ];
-    if walk.frames.iter().any(|f| f.polygons.all > 0) {
-        _ = writeln!(
-            text,
-            "culling     all polygons to those painted: median, least to most, along the walk"
-        );
-        for (name, spread, k) in rows {
-            let along: Vec<f64> = (walk.frames.iter())
-                .map(|f| f.polygons.factors()[k])
-                .collect();
-            _ = writeln!(
-                text,
-                "  {name:<9} {:>6.1}  {:>5.1} to {:>6.1}  {}",
-                spread.median,
-                spread.least,
-                spread.most,
-                figures::sparkline(&along, most, COLUMNS)
-            );
-        }
-    }
-    let reuse = &summary.reuse;
-    _ = writeln!(
-        text,
-        "reuse       {} of {} frames in the cell of the one before: {:.1} ms to find out what is \
-         there, {:.1} without",
-        reuse.frames, summary.frames, reuse.milliseconds, reuse.milliseconds_without
-    );
-    let (seconds, draw) = (&stage.seconds, summary.milliseconds_draw);
-    _ = writeln!(
-        text,
-        "a frame     {:.1} ms to draw (median; {:.1} to {:.1})",
-        draw.median, draw.least, draw.most
-    );
-    _ = writeln!(
-        text,
-        "seconds     read {:.3}, subdivide {:.3}, visibility {:.3}, frames {drawing:.1}, write {writing:.1}",
-        seconds.read, seconds.subdivide, seconds.visibility
-    );
-    text
-}
-
-/// Sectors that a tour does not visit, by reason.
-fn missed(tour: &Tour, level: &Level) -> Vec<(String, String)> {
-    const NAMED: usize = 6;
-    let mut list: Vec<(String, Vec<String>)> = Vec::new();
-    for (sector, barrier) in &tour.missed {
-        let own = level.sectors.get(sector.0 as usize);
-        let name = own
-            .and_then(|s| s.name.clone())
-            .unwrap_or(sector.0.to_string());
-        let barrier = barrier.to_string();
-        match list.iter_mut().find(|(b, _)| *b == barrier) {
-            Some((_, names)) => names.push(name),
-            None => list.push((barrier, vec![name])),
-        }
-    }
-    let told = |(barrier, names): (String, Vec<String>)| {
-        let more = names.len().saturating_sub(NAMED);
-        let mut text = names[..names.len() - more].join(", ");
-        if more > 0 {
-            _ = write!(text, " and {more} more");
-        }
-        (barrier, text)
-    };
-    list.into_iter().map(told).collect()
 }

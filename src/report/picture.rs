@@ -3,7 +3,7 @@
 use resvg::{tiny_skia, usvg};
 use thiserror::Error;
 
-/// The font of all texts in pictures; see [`png`].
+/// The font of all texts in pictures; see [`png()`].
 pub const FONT: &str = "Ubuntu Light, Ubuntu, sans-serif";
 
 /// Why an SVG gives no PNG.

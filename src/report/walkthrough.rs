@@ -11,8 +11,6 @@ pub struct Walk<'a> {
     pub level: &'a str,
     /// Its file.
     pub source: &'a str,
-    /// Its unit of length.
-    pub unit: &'a str,
     /// What the walk is called.
     pub route: &'a str,
     /// How frames were drawn.
@@ -23,8 +21,8 @@ pub struct Walk<'a> {
     pub fps: f64,
     /// How long it takes.
     pub seconds: f64,
-    /// How long the way is.
-    pub length: f64,
+    /// How long the way is, with its unit.
+    pub length: &'a str,
     /// Each frame.
     pub frames: &'a [Frame],
     /// What they come to.
@@ -36,7 +34,7 @@ pub fn json(walk: &Walk) -> Value {
     json!({
         "format": "enfilade.walk",
         "version": 1,
-        "level": {"name": walk.level, "source": walk.source, "unit": walk.unit},
+        "level": {"name": walk.level, "source": walk.source},
         "walk": {
             "name": walk.route,
             "renderer": walk.renderer,
@@ -109,10 +107,10 @@ pub fn page(walk: &Walk) -> String {
                 p.kicker { "enfilade walk · " (walk.source) }
                 h1 { (title) }
                 p.lede {
-                    (format!("{:.1} {}s in {:.1} seconds, {} frames of {width} × {height}. ",
-                        walk.length, walk.unit, walk.seconds, walk.frames.len()))
+                    (format!("{} in {:.1} seconds, {} frames of {width} × {height}. ",
+                        walk.length, walk.seconds, walk.frames.len()))
                     @if counted {
-                        "In the middle of all frames, one of " b { (short(summary.factor_eye.median)) }
+                        "In the median frame, one in " b { (short(summary.factor_eye.median)) }
                         " polygons of the level has to be painted."
                     }
                 }
@@ -288,13 +286,12 @@ mod tests {
         let walk = Walk {
             level: "L <1>",
             source: "l.toml",
-            unit: "metre",
             route: "tour",
             renderer: "preview",
             size: [4, 3],
             fps: 5.0,
             seconds: 0.0,
-            length: 0.0,
+            length: "0 m",
             frames: &[],
             summary: &summary,
         };

@@ -79,7 +79,7 @@ pub struct AntialiasingArgs {
     #[command(flatten)]
     shot: ShotArgs,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "240x150", value_parser = viewpoint::size)]
+    #[arg(long, value_name = "WxH", default_value = "192x120", value_parser = viewpoint::size)]
     size: [u32; 2],
     /// Samples in each pixel of the picture that counts as true
     #[arg(long, value_name = "N", default_value_t = 1024)]
