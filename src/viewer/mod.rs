@@ -18,6 +18,8 @@ pub mod document;
 pub mod engine;
 pub mod panels;
 pub mod plan;
+#[cfg(all(test, feature = "viewer-tests"))]
+mod tests;
 
 use std::path::PathBuf;
 
