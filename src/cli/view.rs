@@ -15,6 +15,9 @@ pub struct ViewArgs {
     /// Map of a WAD that has several
     #[arg(long, value_name = "NAME")]
     map: Option<String>,
+    /// Write a line to standard error whenever the eye comes into another cell
+    #[arg(long)]
+    log: bool,
 }
 
 /// Runs `enfilade view`.
@@ -38,14 +41,20 @@ pub fn run(args: &ViewArgs) -> Result<Answer> {
         // Said where it was asked for, before a window opens.
         read(path, map.as_deref())?;
     }
-    viewer::run(level, Arc::new(move |path, map| read(path, map).map_err(|e| format!("{e:#}"))))?;
+    let loader = Arc::new(move |path: &Path, map: Option<&str>| {
+        read(path, map).map_err(|e| format!("{e:#}"))
+    });
+    let log = args
+        .log
+        .then_some((|line: &str| super::complain(line)) as fn(&str));
+    viewer::run(level, loader, log)?;
     Ok(Answer::Yes)
 }
 
 /// Says how to get it.
 #[cfg(not(feature = "viewer"))]
 pub fn run(args: &ViewArgs) -> Result<Answer> {
-    _ = (&args.level, &args.map);
+    _ = (&args.level, &args.map, args.log);
     anyhow::bail!(
         "this enfilade was built without the viewer; build it with `cargo build --release --features viewer`"
     )

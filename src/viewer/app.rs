@@ -157,6 +157,8 @@ pub struct App {
     pub thread: [f64; 2],
     last: Instant,
     size: [u32; 2],
+    /// Told of every new cell.
+    pub log: Option<fn(&str)>,
 }
 
 impl App {
@@ -204,6 +206,7 @@ impl App {
             thread: [0.0; 2],
             last: Instant::now(),
             size: [0; 2],
+            log: None,
         }
     }
 
@@ -237,9 +240,10 @@ impl App {
 
     /// Shows a level.
     pub fn show(&mut self, document: Document) {
-        let same = self.document.as_ref().is_some_and(|old| {
-            (&old.path, &old.map) == (&document.path, &document.map)
-        });
+        let same = self
+            .document
+            .as_ref()
+            .is_some_and(|old| (&old.path, &old.map) == (&document.path, &document.map));
         let document = Arc::new(document);
         let context = self.context.clone();
         self.engine = Some(Engine::start(document.clone(), move || {
@@ -307,7 +311,9 @@ impl App {
                 let path = paths.iter().find(|p| p.name == name);
                 path.map(|path| Track::new(path, &Ground::new(graph, space), &options))
             }
-            None => tour(&document.level, graph, space, &document.person).map(|t| t.track(&options)),
+            None => {
+                tour(&document.level, graph, space, &document.person).map(|t| t.track(&options))
+            }
         };
         self.play = track.map(|track| Play {
             line: track.points().iter().map(|p| p.truncate()).collect(),
@@ -372,6 +378,17 @@ impl App {
                 self.picture = Some(self.context.load_texture("view", image, options));
             }
         }
+        let before = self.seen.as_ref().and_then(|s| s.cell);
+        if let (Some(log), Some(cell), Some(document)) = (self.log, seen.cell, &self.document)
+            && before != Some(cell)
+        {
+            let [x, y, z] = seen.look.camera.eye.to_array();
+            let pvs = document.sees[cell.0 as usize];
+            log(&format!(
+                "eye {x:.4} {y:.4} {z:.4} cell {} pvs {pvs}",
+                cell.0
+            ));
+        }
         self.history.push_back(Sample {
             polygons: seen.figures.painted as f64,
             milliseconds: seen.milliseconds.iter().sum(),
@@ -425,7 +442,8 @@ impl App {
             DVec2::from_angle(self.eye.yaw).extend(0.0)
         };
         let side = DVec2::from_angle(self.eye.yaw).perp().extend(0.0) * -1.0;
-        let wish = ahead * forward + side * right + DVec3::Z * if self.settings.fly { up } else { 0.0 };
+        let wish =
+            ahead * forward + side * right + DVec3::Z * if self.settings.fly { up } else { 0.0 };
         let step = wish.normalize_or_zero() * speed * seconds;
         self.go(&document, step);
         self.context.request_repaint();
@@ -489,7 +507,7 @@ impl App {
     fn view(&mut self, ui: &mut Ui) {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::drag());
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "View into the level")
+            egui::WidgetInfo::labeled(egui::Role::Image, true, "View into the level")
         });
         let rect = response.rect;
         let scale = ui.ctx().pixels_per_point();
@@ -536,13 +554,18 @@ impl App {
             return;
         };
         let seen = self.seen.as_ref();
-        let explained = self.explained.as_ref().filter(|e| {
-            Some(e.cells[0]) == self.source && Some(e.cells[1]) == self.second
-        });
+        let explained = self
+            .explained
+            .as_ref()
+            .filter(|e| Some(e.cells[0]) == self.source && Some(e.cells[1]) == self.second);
         let half = (self.settings.fov / 2.0).to_radians();
         let scene = PlanScene {
             document: &document,
-            eye: (self.eye.at.truncate(), DVec2::from_angle(self.eye.yaw), half),
+            eye: (
+                self.eye.at.truncate(),
+                DVec2::from_angle(self.eye.yaw),
+                half,
+            ),
             cell: seen.and_then(|s| s.cell),
             cells: seen.map_or(&[], |s| &s.cells),
             area: seen.map_or(&[], |s| &s.area),
@@ -577,7 +600,7 @@ impl App {
     /// Files that were dropped on the window.
     fn dropped(&mut self, ui: &Ui) {
         let files = ui.input(|i| i.raw.dropped_files.clone());
-        if let Some(path) = files.into_iter().find_map(|f| f.path) {
+        if let Some(path) = files.into_iter().map(|f| f.path().to_path_buf()).next() {
             self.open(path, None);
         }
     }

@@ -237,7 +237,11 @@ impl Desk<'_> {
             area,
             figures,
             polygons,
-            survey: self.last.as_ref().filter(|l| Some(l.0) == cell).map(|l| l.1.clone()),
+            survey: self
+                .last
+                .as_ref()
+                .filter(|l| Some(l.0) == cell)
+                .map(|l| l.1.clone()),
             milliseconds: [found, start.elapsed().as_secs_f64() * 1e3],
         }
     }
@@ -266,7 +270,12 @@ fn why(document: &Document, cells: [CellId; 2], heights: bool) -> Option<Explain
             line = Some(segment.map(|p| document.to_level(p.approx())));
         }
         Explanation::Hidden(hidden) => {
-            way = hidden.way.points.iter().map(|p| document.to_level(*p)).collect();
+            way = hidden
+                .way
+                .points
+                .iter()
+                .map(|p| document.to_level(*p))
+                .collect();
         }
         _ => {}
     }

@@ -40,8 +40,13 @@ pub enum ViewerError {
     Window(String),
 }
 
-/// Opens a window on a level, and returns when it is closed.
-pub fn run(level: Option<(PathBuf, Option<String>)>, loader: Loader) -> Result<(), ViewerError> {
+/// Opens a window on a level, and returns when it is closed. `log` is told whenever the eye comes into
+/// another cell: `eye X Y Z cell N pvs N`.
+pub fn run(
+    level: Option<(PathBuf, Option<String>)>,
+    loader: Loader,
+    log: Option<fn(&str)>,
+) -> Result<(), ViewerError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("enfilade")
@@ -54,6 +59,7 @@ pub fn run(level: Option<(PathBuf, Option<String>)>, loader: Loader) -> Result<(
         Box<dyn std::error::Error + Send + Sync>,
     > {
         let mut app = App::new(&context.egui_ctx, loader);
+        app.log = log;
         if let Some((path, map)) = level {
             app.open(path, map);
         }

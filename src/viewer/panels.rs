@@ -21,7 +21,10 @@ const KEYS: [(&str, &str); 15] = [
     ("P", "freeze what is drawn, and fly out to look at it"),
     ("T", "pictures on the walls, or plain colours"),
     ("click in the plan", "this cell's PVS"),
-    ("Shift-click in the plan", "why the first cell sees this one, or not"),
+    (
+        "Shift-click in the plan",
+        "why the first cell sees this one, or not",
+    ),
     ("double-click in the plan", "go there"),
     ("Esc", "nothing chosen"),
     ("F3", "times of the window itself"),
@@ -53,7 +56,10 @@ impl App {
                     self.plan.show_all();
                 }
                 let mut frozen = self.frozen.is_some();
-                if ui.checkbox(&mut frozen, "Freeze what is drawn (P)").changed() {
+                if ui
+                    .checkbox(&mut frozen, "Freeze what is drawn (P)")
+                    .changed()
+                {
                     self.freeze();
                 }
                 ui.checkbox(&mut self.settings.debug, "Times of the window (F3)");
@@ -103,8 +109,8 @@ impl App {
     pub(super) fn status(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             if let Some(play) = &mut self.play {
-                let sign = if play.running { "⏸" } else { "▶" };
-                if ui.button(sign).on_hover_text("play or pause").clicked() {
+                let name = if play.running { "Pause" } else { "Go on" };
+                if ui.button(name).clicked() {
                     play.running = !play.running;
                 }
                 let seconds = play.track.seconds();
@@ -149,12 +155,14 @@ impl App {
             }
         });
         ui.separator();
-        egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match self.tab {
-            Tab::Statistics => self.statistics(ui),
-            Tab::Effects => self.effects(ui),
-            Tab::Why => self.why(ui),
-            Tab::Findings => self.findings(ui),
-        });
+        egui::ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| match self.tab {
+                Tab::Statistics => self.statistics(ui),
+                Tab::Effects => self.effects(ui),
+                Tab::Why => self.why(ui),
+                Tab::Findings => self.findings(ui),
+            });
     }
 
     fn statistics(&mut self, ui: &mut Ui) {
@@ -172,8 +180,16 @@ impl App {
             row(ui, "cells", grouped(document.graph.cells.len() as u64));
             row(ui, "portals", grouped(document.graph.portals.len() as u64));
             row(ui, "walls", grouped(level.walls.len() as u64));
-            row(ui, "cutting", format!("{:.1} ms", document.stages.subdivide));
-            row(ui, "visibility", format!("{:.1} ms", document.stages.visibility));
+            row(
+                ui,
+                "cutting",
+                format!("{:.1} ms", document.stages.subdivide),
+            );
+            row(
+                ui,
+                "visibility",
+                format!("{:.1} ms", document.stages.visibility),
+            );
         });
         ui.add_space(8.0);
         ui.label(RichText::new("What is drawn").strong());
@@ -204,7 +220,10 @@ impl App {
             all.map(|(i, s)| [i as f64, value(s)]).collect()
         };
         for (name, value) in [
-            ("milliseconds", (|s| s.milliseconds) as fn(&super::app::Sample) -> f64),
+            (
+                "milliseconds",
+                (|s| s.milliseconds) as fn(&super::app::Sample) -> f64,
+            ),
             ("polygons", |s| s.polygons),
         ] {
             Plot::new(name)
@@ -251,7 +270,10 @@ impl App {
     }
 
     fn why(&mut self, ui: &mut Ui) {
-        if ui.checkbox(&mut self.settings.heights, "floors and ceilings count").changed() {
+        if ui
+            .checkbox(&mut self.settings.heights, "floors and ceilings count")
+            .changed()
+        {
             self.ask_why();
         }
         ui.separator();
@@ -269,7 +291,11 @@ impl App {
                 } else {
                     ("does not see", Color32::from_rgb(230, 120, 130))
                 };
-                ui.label(RichText::new(format!("Cell {a} {verb} cell {b}")).color(colour).strong());
+                ui.label(
+                    RichText::new(format!("Cell {a} {verb} cell {b}"))
+                        .color(colour)
+                        .strong(),
+                );
                 ui.label(RichText::new(format!("{:.1} ms", explained.milliseconds)).weak());
                 ui.add_space(6.0);
                 ui.label(RichText::new(&explained.text).monospace().size(11.5));
@@ -322,27 +348,35 @@ impl App {
     pub(super) fn windows(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         let mut open = self.settings.help;
-        egui::Window::new("Keys").open(&mut open).resizable(false).show(&context, |ui| {
-            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                for (key, what) in KEYS {
-                    ui.label(RichText::new(key).strong());
-                    ui.label(what);
-                    ui.end_row();
-                }
+        egui::Window::new("Keys")
+            .open(&mut open)
+            .resizable(false)
+            .show(&context, |ui| {
+                egui::Grid::new("keys")
+                    .num_columns(2)
+                    .striped(true)
+                    .show(ui, |ui| {
+                        for (key, what) in KEYS {
+                            ui.label(RichText::new(key).strong());
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
             });
-        });
         self.settings.help = open;
         if let Some(error) = self.error.clone() {
             let mut open = true;
-            egui::Window::new("This does not work").open(&mut open).show(&context, |ui| {
-                ui.label(error);
-                if self.document.is_some() {
-                    ui.label(RichText::new("What was open stays open.").weak());
-                }
-                if ui.button("Close").clicked() {
-                    self.error = None;
-                }
-            });
+            egui::Window::new("This does not work")
+                .open(&mut open)
+                .show(&context, |ui| {
+                    ui.label(error);
+                    if self.document.is_some() {
+                        ui.label(RichText::new("What was open stays open.").weak());
+                    }
+                    if ui.button("Close").clicked() {
+                        self.error = None;
+                    }
+                });
             if !open {
                 self.error = None;
             }

@@ -4,6 +4,7 @@
 //! to zoom; a click makes a cell the source, a click with shift asks why the source sees it, a double
 //! click sends the eye there.
 
+use eframe::egui;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use glam::DVec2;
 
@@ -109,10 +110,9 @@ impl PlanView {
     /// Draws the plan into all of the room there is. Returns what somebody wants.
     pub fn show(&mut self, ui: &mut Ui, scene: &PlanScene) -> Option<PlanEvent> {
         let document = scene.document;
-        let (response, painter) =
-            ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Plan of the level")
+            egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Plan of the level")
         });
         let rect = response.rect;
         if self.scale <= 0.0 {
@@ -137,7 +137,10 @@ impl PlanView {
             painter.line_segment(ends, stroke(*line));
         }
         let walked: Vec<Pos2> = scene.path.iter().map(|p| place(*p)).collect();
-        painter.add(Shape::line(walked, Stroke::new(1.5, Color32::from_rgb(150, 120, 230))));
+        painter.add(Shape::line(
+            walked,
+            Stroke::new(1.5, Color32::from_rgb(150, 120, 230)),
+        ));
         let way: Vec<Pos2> = scene.way.iter().map(|p| place(*p)).collect();
         painter.add(Shape::dashed_line(&way, Stroke::new(1.5, SECOND), 6.0, 4.0));
         if let Some(ends) = scene.sightline {
@@ -231,7 +234,11 @@ impl PlanView {
             let bounds = Rect::from_points(&outline);
             if rect.intersects(bounds) {
                 // A thin line of the same colour hides the seams between neighbours.
-                painter.add(Shape::convex_polygon(outline, colour, Stroke::new(0.6, colour)));
+                painter.add(Shape::convex_polygon(
+                    outline,
+                    colour,
+                    Stroke::new(0.6, colour),
+                ));
             }
         }
     }
@@ -313,7 +320,13 @@ fn legend(painter: &egui::Painter, rect: Rect, document: &Document) {
     let most = document.sees.iter().copied().max().unwrap_or(0);
     let font = FontId::proportional(12.0);
     let above = at - Vec2::new(0.0, 4.0);
-    painter.text(above, Align2::LEFT_BOTTOM, "cells seen: 1", font.clone(), Color32::WHITE);
+    painter.text(
+        above,
+        Align2::LEFT_BOTTOM,
+        "cells seen: 1",
+        font.clone(),
+        Color32::WHITE,
+    );
     let right = Pos2::new(at.x + SIZE.x, above.y);
     painter.text(right, Align2::RIGHT_BOTTOM, most, font, Color32::WHITE);
 }

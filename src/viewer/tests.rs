@@ -30,7 +30,9 @@ fn loader() -> Loader {
 }
 
 fn sample(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("levels").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("levels")
+        .join(name)
 }
 
 /// A window with a level that is ready, and a first picture.
@@ -42,7 +44,9 @@ fn window(path: PathBuf) -> Harness<'static, App> {
             app.open(path, None);
             app
         });
-    until(&mut harness, "a level and a picture", |app| app.seen.is_some());
+    until(&mut harness, "a level and a picture", |app| {
+        app.seen.is_some()
+    });
     harness
 }
 
@@ -92,7 +96,13 @@ fn inside(harness: &Harness<'static, App>, cell: u32) -> DVec2 {
 fn keys_move_the_eye_and_what_it_sees_follows() {
     let mut harness = window(sample("museum.toml"));
     let before = harness.state().eye;
-    let seen = harness.state().seen.as_ref().expect("a picture").cells.clone();
+    let seen = harness
+        .state()
+        .seen
+        .as_ref()
+        .expect("a picture")
+        .cells
+        .clone();
     harness.key_down(Key::ArrowLeft);
     harness.run_steps(40);
     harness.key_up(Key::ArrowLeft);
@@ -121,13 +131,20 @@ fn keys_move_the_eye_and_what_it_sees_follows() {
 fn clicks_on_the_plan_choose_cells_and_ask_why() {
     let mut harness = window(sample("museum.toml"));
     let document = harness.state().document.clone().expect("a level");
-    let first = harness.state().seen.as_ref().and_then(|s| s.cell).expect("inside");
+    let first = harness
+        .state()
+        .seen
+        .as_ref()
+        .and_then(|s| s.cell)
+        .expect("inside");
     // The largest cell that it sees and the largest that it does not.
     let largest = |sees: bool| {
         let cells = document.graph.cell_ids();
         let wanted = cells.filter(|c| *c != first && document.pvs.sees(first, *c) == sees);
         let size = |c: &CellId| document.world.middle(*c).1;
-        wanted.max_by(|a, b| size(a).total_cmp(&size(b))).expect("there is one")
+        wanted
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
+            .expect("there is one")
     };
     let at = on_screen(&harness, inside(&harness, first.0));
     click(&mut harness, at, Modifiers::NONE);
@@ -141,7 +158,9 @@ fn clicks_on_the_plan_choose_cells_and_ask_why() {
         click(&mut harness, at, Modifiers::SHIFT);
         assert_eq!(harness.state().second, Some(other));
         until(&mut harness, "an explanation", |app| {
-            app.explained.as_ref().is_some_and(|e| e.cells == [first, other])
+            app.explained
+                .as_ref()
+                .is_some_and(|e| e.cells == [first, other])
         });
         let explained = harness.state().explained.as_ref().expect("an explanation");
         assert_eq!(explained.sees, sees);
@@ -187,7 +206,10 @@ fn a_broken_file_leaves_the_last_good_level_open() {
     until(&mut harness, "an error", |app| app.error.is_some());
     harness.step();
     let said = harness.state().error.clone().unwrap_or_default();
-    assert!(said.contains("level.toml") && said.contains("line 3"), "{said}");
+    assert!(
+        said.contains("level.toml") && said.contains("line 3"),
+        "{said}"
+    );
     harness.get_by_label("What was open stays open.");
     let still = harness.state().document.clone().expect("a level");
     assert!(Arc::ptr_eq(&good, &still));
@@ -195,14 +217,22 @@ fn a_broken_file_leaves_the_last_good_level_open() {
     std::thread::sleep(Duration::from_millis(20));
     std::fs::copy(sample("house.toml"), &file).expect("a copy");
     until(&mut harness, "the mended level", |app| {
-        app.document.as_ref().is_some_and(|d| d.level.name != good.level.name)
+        app.document
+            .as_ref()
+            .is_some_and(|d| d.level.name != good.level.name)
     });
 }
 
 #[test]
 fn panels_tell_what_is_drawn_and_why() {
-    let mut harness = window(sample("gallery.toml"));
-    let all = harness.state().seen.as_ref().expect("a picture").figures.all;
+    let mut harness = window(sample("museum.toml"));
+    let all = harness
+        .state()
+        .seen
+        .as_ref()
+        .expect("a picture")
+        .figures
+        .all;
     harness.get_by_label_contains("everything:").click();
     harness.run_steps(3);
     assert_eq!(harness.state().settings.culling, Culling::None);
@@ -231,7 +261,7 @@ fn a_path_is_walked_and_stops() {
     }
     let play = harness.state().play.as_ref().expect("a tour");
     assert!(play.running && play.at > 0.0);
-    harness.get_by_label("⏸").click();
+    harness.get_by_label("Pause").click();
     harness.run_steps(3);
     let at = harness.state().eye.at;
     harness.run_steps(5);
@@ -244,7 +274,10 @@ fn the_window_does_not_wait_for_slow_levels() {
     let path = Path::new("/usr/share/games/doom/freedoom2.wad");
     if !path.exists() {
         assert!(std::env::var_os("CI").is_none(), "CI needs Freedoom");
-        eprintln!("skipped: {} is not there (apt-get install freedoom)", path.display());
+        eprintln!(
+            "skipped: {} is not there (apt-get install freedoom)",
+            path.display()
+        );
         return;
     }
     let mut harness = Harness::builder()
@@ -256,7 +289,9 @@ fn the_window_does_not_wait_for_slow_levels() {
         });
     until(&mut harness, "MAP12", |app| app.seen.is_some());
     let most = harness.state().thread[0];
-    println!("MAP12: the window's thread took at most {most:.1} ms for a frame while it was computed");
+    println!(
+        "MAP12: the window's thread took at most {most:.1} ms for a frame while it was computed"
+    );
     // Generous: another program may have had the processor.
     assert!(most < 1000.0, "{most} ms");
 }

@@ -95,7 +95,10 @@ pub fn gif(
 }
 
 fn is_prime(n: usize) -> bool {
-    n >= 2 && (2..).take_while(|k| k * k <= n).all(|k| !n.is_multiple_of(k))
+    n >= 2
+        && (2..)
+            .take_while(|k| k * k <= n)
+            .all(|k| !n.is_multiple_of(k))
 }
 
 /// Finds out whether there is an ffmpeg.
