@@ -7,15 +7,22 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
 use eframe::egui;
-use egui::{Color32, ColorImage, Key, Sense, TextureHandle, TextureOptions, Ui};
+use eframe::egui_wgpu::RenderState;
+use egui::{Color32, ColorImage, Key, Sense, TextureHandle, TextureId, TextureOptions, Ui};
 use glam::{DVec2, DVec3};
 
 use super::document::{Document, Loader};
-use super::engine::{Engine, Explained, Look, Report, Seen};
+use super::engine::{Card, Engine, Explained, Look, Picture, Report, SLOTS, Seen};
 use super::plan::{PlanEvent, PlanScene, PlanView};
+use super::tracing::{Report as TracingReport, Request, Traced, Tracing};
+use super::walker::{Input, Mode, Walker};
 use crate::cells::{CellId, Doors};
 use crate::preview::Culling;
 use crate::trace::camera::Camera;
+use crate::trace::effects::Effects;
+use crate::trace::picture::Exposure;
+use crate::trace::render::RenderOptions;
+use crate::trace::shade::Limits;
 use crate::walk::{Ground, Track, TrackOptions, tour};
 
 /// How much of the past the statistics show.
@@ -32,6 +39,8 @@ pub enum Tab {
     Statistics,
     /// What a picture calls for.
     Effects,
+    /// Samples, depth, and their cost.
+    Accuracy,
     /// Why two cells see each other.
     Why,
     /// What `check` says.
@@ -59,36 +68,27 @@ pub struct Settings {
     pub debug: bool,
     /// The keys.
     pub help: bool,
-    /// Through walls.
-    pub fly: bool,
+    /// What the view shows.
+    pub view: View,
+    /// Samples in each pixel of a traced picture, at the end.
+    pub samples: u32,
+    /// Most reflections in a row.
+    pub depth: u32,
+    /// Rays to each light with an extent, and into cones.
+    pub rays: u32,
+    /// Effects that are not traced although they matter.
+    pub without: Effects,
 }
 
-/// The eye.
-#[derive(Clone, Copy, Debug)]
-pub struct Eye {
-    /// Where.
-    pub at: DVec3,
-    /// Where it looks: radians counterclockwise from east, and up.
-    pub yaw: f64,
-    /// See `yaw`.
-    pub pitch: f64,
-}
-
-impl Eye {
-    fn looking(at: DVec3, direction: DVec3) -> Self {
-        let direction = direction.normalize_or(DVec3::X);
-        Self {
-            at,
-            yaw: direction.y.atan2(direction.x),
-            pitch: direction.z.asin(),
-        }
-    }
-
-    /// Unit vector of where it looks.
-    pub fn direction(&self) -> DVec3 {
-        let (sin, cos) = self.pitch.sin_cos();
-        DVec2::from_angle(self.yaw).extend(0.0) * cos + DVec3::Z * sin
-    }
+/// What the view shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The polygons, painted.
+    Painted,
+    /// The rays, traced.
+    Traced,
+    /// Both side by side.
+    Both,
 }
 
 /// What a frame took.
@@ -123,7 +123,7 @@ pub struct App {
     engine: Option<Engine>,
     context: egui::Context,
     /// The eye.
-    pub eye: Eye,
+    pub eye: Walker,
     /// What is drawn.
     pub settings: Settings,
     /// The plan.
@@ -133,6 +133,16 @@ pub struct App {
     /// What the eye saw last.
     pub seen: Option<Seen>,
     picture: Option<TextureHandle>,
+    /// The graphics card's textures, as the window knows them, and the one that is shown.
+    card: Option<RenderState>,
+    slots: [Option<TextureId>; SLOTS],
+    shown: Option<TextureId>,
+    tracing: Option<Tracing>,
+    /// The traced picture, and what it is of.
+    pub traced: Option<(TextureHandle, Traced)>,
+    requested: Option<Camera>,
+    /// What has been asked of the mouse since the last frame.
+    look: DVec2,
     asked: Option<Look>,
     /// The camera whose cells stay drawn.
     pub frozen: Option<Camera>,
@@ -163,7 +173,7 @@ pub struct App {
 
 impl App {
     /// A window without a level.
-    pub fn new(context: &egui::Context, loader: Loader) -> Self {
+    pub fn new(context: &egui::Context, card: Option<RenderState>, loader: Loader) -> Self {
         context.set_theme(egui::Theme::Dark);
         Self {
             loader,
@@ -171,11 +181,7 @@ impl App {
             document: None,
             engine: None,
             context: context.clone(),
-            eye: Eye {
-                at: DVec3::ZERO,
-                yaw: 0.0,
-                pitch: 0.0,
-            },
+            eye: Walker::new(DVec3::ZERO, DVec3::X, Mode::Walk),
             settings: Settings {
                 fov: 75.0,
                 culling: Culling::Eye,
@@ -186,12 +192,23 @@ impl App {
                 heights: false,
                 debug: false,
                 help: false,
-                fly: false,
+                view: View::Painted,
+                samples: 4,
+                depth: 5,
+                rays: 16,
+                without: Effects::NONE,
             },
             plan: PlanView::default(),
             tab: Tab::Statistics,
             seen: None,
             picture: None,
+            card,
+            slots: [None; SLOTS],
+            shown: None,
+            tracing: None,
+            traced: None,
+            requested: None,
+            look: DVec2::ZERO,
             asked: None,
             frozen: None,
             source: None,
@@ -246,13 +263,17 @@ impl App {
             .is_some_and(|old| (&old.path, &old.map) == (&document.path, &document.map));
         let document = Arc::new(document);
         let context = self.context.clone();
-        self.engine = Some(Engine::start(document.clone(), move || {
+        let card = self.card.as_ref().map(|card| Card {
+            device: card.device.clone(),
+            queue: card.queue.clone(),
+        });
+        self.engine = Some(Engine::start(document.clone(), card, move || {
             context.request_repaint();
         }));
-        let inside = document.cell_at(self.eye.at.truncate()).is_some();
+        let inside = document.cell_at(self.eye.eye.truncate()).is_some();
         if !same || !inside {
             let (at, direction) = document.start();
-            self.eye = Eye::looking(at, direction);
+            self.eye = Walker::new(at, direction, self.eye.mode);
             if let Some(camera) = document.level.scene.cameras.first() {
                 self.settings.fov = camera.fov;
             }
@@ -264,6 +285,7 @@ impl App {
         (self.source, self.second, self.explained) = (None, None, None);
         (self.frozen, self.play, self.mark) = (None, None, None);
         (self.asked, self.seen) = (None, None);
+        (self.requested, self.traced) = (None, None);
         let name = format!("{} – enfilade", document.level.name);
         self.context
             .send_viewport_cmd(egui::ViewportCommand::Title(name));
@@ -273,7 +295,7 @@ impl App {
     /// The eye's camera.
     pub fn camera(&self) -> Camera {
         let size = self.size.map(|n| n.max(1));
-        Camera::new(self.eye.at, self.eye.direction(), self.settings.fov, size)
+        self.eye.camera(self.settings.fov, size)
     }
 
     /// Sends the eye to a place of the plan, as high as a person's.
@@ -281,19 +303,13 @@ impl App {
         let Some(document) = &self.document else {
             return;
         };
-        let Some(cell) = document.cell_at(at) else {
-            return;
-        };
-        let chamber = document.world.space.cell(cell.0);
-        let room = chamber.ceiling - chamber.floor;
-        let height = document.person.eye.min(room * 0.9);
-        self.eye.at = at.extend(chamber.floor + height);
+        self.eye.stand(at, &document.site());
         self.play = None;
     }
 
     /// Looks from a camera of the level.
     pub fn look_from(&mut self, camera: &crate::level::scene::Camera) {
-        self.eye = Eye::looking(camera.eye, camera.direction);
+        self.eye = Walker::new(camera.eye, camera.direction, self.eye.mode);
         self.settings.fov = camera.fov;
         self.play = None;
     }
@@ -358,6 +374,22 @@ impl App {
             }
             Some(Err(TryRecvError::Empty)) | None => {}
         }
+        let traced: Vec<_> = self.tracing.iter().flat_map(Tracing::reports).collect();
+        for report in traced {
+            if let TracingReport::Picture(traced) = report {
+                let size = traced.size.map(|n| n as usize);
+                let image = ColorImage::from_rgb(size, &traced.bytes);
+                let options = TextureOptions::NEAREST;
+                let texture = match self.traced.take() {
+                    Some((mut texture, _)) => {
+                        texture.set(image, options);
+                        texture
+                    }
+                    None => self.context.load_texture("traced", image, options),
+                };
+                self.traced = Some((texture, traced));
+            }
+        }
         let Some(engine) = &self.engine else { return };
         let reports: Vec<Report> = engine.reports().collect();
         for report in reports {
@@ -369,13 +401,38 @@ impl App {
     }
 
     fn take(&mut self, seen: Seen) {
-        let size = seen.look.camera.size.map(|n| n as usize);
-        let image = ColorImage::from_rgb(size, &seen.picture);
-        match &mut self.picture {
-            Some(texture) => texture.set(image, TextureOptions::NEAREST),
-            None => {
+        match &seen.picture {
+            Picture::Bytes(bytes) => {
+                let size = seen.look.camera.size.map(|n| n as usize);
+                let image = ColorImage::from_rgb(size, bytes);
                 let options = TextureOptions::NEAREST;
-                self.picture = Some(self.context.load_texture("view", image, options));
+                match &mut self.picture {
+                    Some(texture) => texture.set(image, options),
+                    None => {
+                        self.picture = Some(self.context.load_texture("view", image, options));
+                    }
+                }
+                self.shown = self.picture.as_ref().map(TextureHandle::id);
+            }
+            Picture::Card(slot, view) => {
+                if let Some(card) = &self.card {
+                    let mut renderer = card.renderer.write();
+                    let filter = wgpu::FilterMode::Linear;
+                    let id = match self.slots[*slot] {
+                        Some(id) => {
+                            renderer.update_egui_texture_from_wgpu_texture(
+                                &card.device,
+                                view,
+                                filter,
+                                id,
+                            );
+                            id
+                        }
+                        None => renderer.register_native_texture(&card.device, view, filter),
+                    };
+                    self.slots[*slot] = Some(id);
+                    self.shown = Some(id);
+                }
             }
         }
         let before = self.seen.as_ref().and_then(|s| s.cell);
@@ -425,37 +482,21 @@ impl App {
         };
         let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
         let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
-        let forward = axis(&[Key::W, Key::ArrowUp], &[Key::S, Key::ArrowDown]);
-        let right = axis(&[Key::D], &[Key::A]);
-        let turn = axis(&[Key::ArrowLeft], &[Key::ArrowRight]);
-        let up = axis(&[Key::E, Key::Space], &[Key::Q]);
-        if forward == 0.0 && right == 0.0 && turn == 0.0 && up == 0.0 {
+        let input = Input {
+            forward: axis(&[Key::W, Key::ArrowUp], &[Key::S, Key::ArrowDown]),
+            right: axis(&[Key::D], &[Key::A]),
+            up: axis(&[Key::E, Key::Space], &[Key::Q]),
+            turn: axis(&[Key::ArrowLeft], &[Key::ArrowRight]),
+            tilt: axis(&[Key::PageUp], &[Key::PageDown]),
+            run: ui.input(|i| i.modifiers.shift),
+            look: std::mem::take(&mut self.look),
+        };
+        if input.is_idle() && !self.eye.moves() {
             return;
         }
         self.play = None;
-        self.eye.yaw += turn * seconds * 1.9;
-        let run = ui.input(|i| i.modifiers.shift);
-        let speed = document.person.speed * if run { 4.5 } else { 1.8 };
-        let ahead = if self.settings.fly {
-            self.eye.direction()
-        } else {
-            DVec2::from_angle(self.eye.yaw).extend(0.0)
-        };
-        let side = DVec2::from_angle(self.eye.yaw).perp().extend(0.0) * -1.0;
-        let wish =
-            ahead * forward + side * right + DVec3::Z * if self.settings.fly { up } else { 0.0 };
-        let step = wish.normalize_or_zero() * speed * seconds;
-        self.go(&document, step);
+        self.eye.step(&input, seconds, &document.site());
         self.context.request_repaint();
-    }
-
-    fn go(&mut self, document: &Document, step: DVec3) {
-        let to = self.eye.at + step;
-        if self.settings.fly {
-            self.eye.at = to;
-        } else if document.cell_at(to.truncate()).is_some() {
-            self.jump(to.truncate());
-        }
     }
 
     /// Keys that do something once.
@@ -464,11 +505,23 @@ impl App {
             return;
         }
         let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
+        for (key, view) in [
+            (Key::Num1, View::Painted),
+            (Key::Num2, View::Traced),
+            (Key::Num3, View::Both),
+        ] {
+            if pressed(key) {
+                self.settings.view = view;
+            }
+        }
         if pressed(Key::M) {
             self.settings.plan = !self.settings.plan;
         }
         if pressed(Key::F) {
-            self.settings.fly = !self.settings.fly;
+            self.eye.mode = match self.eye.mode {
+                Mode::Walk => Mode::Fly,
+                Mode::Fly => Mode::Walk,
+            };
         }
         if pressed(Key::P) {
             self.freeze();
@@ -515,15 +568,52 @@ impl App {
         let shrink = (PIXELS / pixels.max_elem()).min(1.0);
         self.size = [pixels.x, pixels.y].map(|n| ((n * shrink) as u32).max(1));
         if response.dragged() {
-            let d = response.drag_delta() * (0.004 * self.settings.fov / 75.0) as f32;
-            self.eye.yaw += f64::from(d.x);
-            self.eye.pitch = (self.eye.pitch + f64::from(d.y)).clamp(-1.5, 1.5);
-            self.play = None;
+            // What is under the pointer stays there, about.
+            let turn = self.settings.fov.to_radians() / f64::from(rect.width().max(1.0));
+            let d = response.drag_delta();
+            self.look += DVec2::new(f64::from(d.x), f64::from(d.y)) * turn;
+            self.context.request_repaint();
         }
         painter.rect_filled(rect, 0.0, Color32::BLACK);
-        if let Some(texture) = &self.picture {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            painter.image(texture.id(), rect, whole, Color32::WHITE);
+        let part = |from: f32, to: f32| {
+            let uv = egui::Rect::from_min_max(egui::pos2(from, 0.0), egui::pos2(to, 1.0));
+            let at = |share: f32| rect.left() + share * rect.width();
+            let room = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
+            (room, uv)
+        };
+        // With both, the left half of the one picture and the right half of the other.
+        let split = match self.settings.view {
+            View::Painted => 1.0,
+            View::Traced => 0.0,
+            View::Both => 0.5,
+        };
+        if let Some(id) = self.shown
+            && split > 0.0
+        {
+            let (room, uv) = part(0.0, split);
+            painter.image(id, room, uv, Color32::WHITE);
+        }
+        if let Some((texture, traced)) = &self.traced
+            && split < 1.0
+        {
+            let (room, uv) = part(split, 1.0);
+            painter.image(texture.id(), room, uv, Color32::WHITE);
+            let text = if traced.done {
+                format!("traced: {} samples", traced.samples)
+            } else {
+                format!(
+                    "tracing: every {} pixels, {} samples",
+                    traced.coarse, traced.samples
+                )
+            };
+            let font = egui::FontId::proportional(13.0);
+            let at = rect.right_bottom() - egui::vec2(10.0, 8.0);
+            painter.text(at, egui::Align2::RIGHT_BOTTOM, text, font, Color32::WHITE);
+        }
+        if self.settings.view == View::Both {
+            let middle = rect.center().x;
+            let line = egui::Stroke::new(2.0, Color32::WHITE);
+            painter.vline(middle, rect.y_range(), line);
         }
         if self.frozen.is_some() {
             let font = egui::FontId::proportional(14.0);
@@ -548,6 +638,65 @@ impl App {
         }
     }
 
+    /// Asks for a traced picture, if what it shows has changed.
+    fn trace(&mut self) {
+        if self.settings.view == View::Painted {
+            if self.requested.take().is_some() {
+                self.tracing.iter().for_each(Tracing::stop);
+            }
+            return;
+        }
+        let (Some(document), Some(seen)) = (&self.document, &self.seen) else {
+            return;
+        };
+        let camera = self.camera();
+        // First the eye's cell has to be known, and with it what matters there.
+        let Some(survey) = seen.survey.as_ref().filter(|_| seen.look.camera == camera) else {
+            return;
+        };
+        if self.requested == Some(camera) {
+            return;
+        }
+        if self.tracing.is_none() {
+            let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+            let context = self.context.clone();
+            let wake = move || context.request_repaint();
+            self.tracing = Tracing::start(threads.saturating_sub(1).max(1), wake).ok();
+        }
+        let Some(tracing) = &self.tracing else { return };
+        let settings = &self.settings;
+        let usual = RenderOptions::default();
+        let effects = survey.needed.iter().filter(|e| !settings.without.has(*e));
+        let options = RenderOptions {
+            samples: settings.samples,
+            effects: effects.collect(),
+            limits: Limits {
+                depth: settings.depth,
+                light_samples: settings.rays,
+                scatter_samples: settings.rays,
+                ..usual.limits
+            },
+            ..usual
+        };
+        let exposure = if document.world.wardrobe.is_some() {
+            Exposure::Stops(1.5)
+        } else {
+            Exposure::Auto
+        };
+        tracing.request(Request {
+            stage: document.clone(),
+            camera,
+            options,
+            exposure,
+        });
+        self.requested = Some(camera);
+    }
+
+    /// Traces once more, as something else than the place has changed.
+    pub fn trace_again(&mut self) {
+        self.requested = None;
+    }
+
     /// The plan, in all the room there is.
     fn plan(&mut self, ui: &mut Ui) {
         let Some(document) = self.document.clone() else {
@@ -562,7 +711,7 @@ impl App {
         let scene = PlanScene {
             document: &document,
             eye: (
-                self.eye.at.truncate(),
+                self.eye.eye.truncate(),
                 DVec2::from_angle(self.eye.yaw),
                 half,
             ),
@@ -616,7 +765,7 @@ impl App {
             self.context.request_repaint();
         }
         let pose = play.track.at(play.at);
-        self.eye = Eye::looking(pose.eye, pose.direction);
+        self.eye = Walker::new(pose.eye, pose.direction, self.eye.mode);
     }
 }
 
@@ -637,15 +786,15 @@ impl eframe::App for App {
             .default_size(300.0)
             .show(ui, |ui| self.side(ui));
         if self.settings.plan {
-            let half = ui.available_width() * 0.45;
             egui::Panel::right("plan")
-                .default_size(half)
+                .default_size(520.0)
                 .frame(egui::Frame::NONE)
                 .show(ui, |ui| self.plan(ui));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| self.view(ui));
         self.windows(ui);
         self.ask();
+        self.trace();
         let took = start.elapsed().as_secs_f64() * 1e3;
         self.thread = [self.thread[0].max(took), took];
     }

@@ -9,6 +9,8 @@ use std::time::Instant;
 
 use glam::DVec2;
 
+use super::tracing::Stage;
+use super::walker::{Footing, Site};
 use crate::cells::{self, CellGraph, CellId, Doors, Locator, subdivide};
 use crate::level::{Finding, Level, OpeningStyle, WallKind};
 use crate::pvs::{Progress, Pvs, sweep};
@@ -64,6 +66,8 @@ pub struct Document {
     pub plan: Shapes,
     /// Who walks.
     pub person: Person,
+    /// Where he can stand and go.
+    pub footing: Footing,
     /// What it took.
     pub stages: Stages,
 }
@@ -124,11 +128,13 @@ impl Document {
         findings.extend(check::of_cells(&level, &graph));
         findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
         let sees = graph.cell_ids().map(|c| pvs.seen_from(c).count() as u32);
+        let person = Person::of_unit(&level.unit);
         Ok(Self {
             locator: Locator::new(&graph),
             sees: sees.collect(),
             plan: Shapes::of(&level, &graph),
-            person: Person::of_unit(&level.unit),
+            footing: Footing::new(&level, &graph, &world.space, &person),
+            person,
             path,
             map,
             level,
@@ -139,6 +145,15 @@ impl Document {
             findings,
             stages,
         })
+    }
+
+    /// The level with its footing.
+    pub fn site(&self) -> Site<'_> {
+        Site {
+            graph: &self.graph,
+            space: &self.world.space,
+            footing: &self.footing,
+        }
     }
 
     /// A cell that holds a place of the plan.
@@ -182,6 +197,16 @@ impl Document {
         let height = (chamber.ceiling - chamber.floor) * 0.9;
         let eye = chamber.floor + self.person.eye.min(height);
         (self.world.middle(cell).0.extend(eye), glam::DVec3::X)
+    }
+}
+
+impl Stage for Document {
+    fn world(&self) -> &World {
+        &self.world
+    }
+
+    fn graph(&self) -> &CellGraph {
+        &self.graph
     }
 }
 

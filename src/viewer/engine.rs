@@ -12,6 +12,7 @@ use std::time::Instant;
 use glam::DVec2;
 
 use super::document::Document;
+use super::scene::{self, Pipelines, Scene, Target};
 use crate::cells::CellId;
 use crate::preview::{Culling, Easel, Figures, Finish, Options, Painter, culling::cone};
 use crate::pvs::explain::{ExplainOptions, Explanation};
@@ -39,8 +40,8 @@ pub struct Look {
 pub struct Seen {
     /// What was asked.
     pub look: Look,
-    /// The picture: three bytes a pixel, of the camera's size.
-    pub picture: Vec<u8>,
+    /// The picture, of the camera's size.
+    pub picture: Picture,
     /// The eye's cell; none outside of the level.
     pub cell: Option<CellId>,
     /// The cells within the cone.
@@ -55,6 +56,26 @@ pub struct Seen {
     pub survey: Option<Arc<Survey>>,
     /// Milliseconds to find out what is there, and to paint it.
     pub milliseconds: [f64; 2],
+}
+
+/// What was painted.
+pub enum Picture {
+    /// By the processor: three bytes a pixel.
+    Bytes(Vec<u8>),
+    /// By the graphics card: one of [`SLOTS`] textures in turn, so that none is painted on that is shown.
+    Card(usize, wgpu::TextureView),
+}
+
+/// Textures that the graphics card paints on in turn.
+pub const SLOTS: usize = 3;
+
+/// A graphics card, or what stands for it.
+#[derive(Clone)]
+pub struct Card {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
 }
 
 /// Why two cells see each other, or why not.
@@ -94,12 +115,17 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// Starts. `wake` is called whenever there is something to fetch.
-    pub fn start(document: Arc<Document>, wake: impl Fn() + Send + 'static) -> Self {
+    /// Starts; pictures are painted by the card, if there is one. `wake` is called whenever there is
+    /// something to fetch.
+    pub fn start(
+        document: Arc<Document>,
+        card: Option<Card>,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
         let (questions, asked) = channel();
         let (answer, reports) = channel();
         let thread = std::thread::spawn(move || {
-            run(&document, &asked, |report| {
+            run(&document, card, &asked, |report| {
                 _ = answer.send(report);
                 wake();
             });
@@ -142,7 +168,12 @@ impl Drop for Engine {
     }
 }
 
-fn run(document: &Document, asked: &Receiver<Question>, mut answer: impl FnMut(Report)) {
+fn run(
+    document: &Document,
+    card: Option<Card>,
+    asked: &Receiver<Question>,
+    mut answer: impl FnMut(Report),
+) {
     let Document {
         graph, pvs, world, ..
     } = document;
@@ -153,6 +184,7 @@ fn run(document: &Document, asked: &Receiver<Question>, mut answer: impl FnMut(R
         easel: Easel::default(),
         scratch: Scratch::default(),
         last: None,
+        studio: card.map(Studio::new),
     };
     while let Ok(first) = asked.recv() {
         // Of all places that were asked about meanwhile, the last.
@@ -182,6 +214,67 @@ struct Desk<'a> {
     easel: Easel,
     scratch: Scratch,
     last: Option<(CellId, Arc<Survey>)>,
+    studio: Option<Studio>,
+}
+
+/// What the graphics card paints with.
+struct Studio {
+    card: Card,
+    pipelines: Pipelines,
+    /// Plain and with pictures.
+    scenes: [Option<Scene>; 2],
+    targets: [Option<Target>; SLOTS],
+    next: usize,
+}
+
+impl Studio {
+    fn new(card: Card) -> Self {
+        const SAMPLES: u32 = 4;
+        Self {
+            pipelines: Pipelines::new(&card.device, SAMPLES),
+            card,
+            scenes: [None, None],
+            targets: [const { None }; SLOTS],
+            next: 0,
+        }
+    }
+
+    fn paint(
+        &mut self,
+        painter: &Painter,
+        look: &Look,
+        easel: &mut Easel,
+    ) -> Option<(Figures, Picture)> {
+        let Self {
+            card: Card { device, queue },
+            pipelines,
+            ..
+        } = self;
+        let scene = self.scenes[usize::from(look.textured)]
+            .get_or_insert_with(|| Scene::new(device, queue, pipelines, painter));
+        let wanted = scene::Look {
+            camera: &look.camera,
+            culling: look.culling,
+            chosen_for: look.chosen_by.as_ref(),
+            smooth: true,
+            objects: true,
+            lines: &[],
+        };
+        let frame = scene
+            .prepare((device, queue), painter, &wanted, easel)
+            .ok()?;
+        let slot = self.next;
+        self.next = (slot + 1) % SLOTS;
+        let target = &mut self.targets[slot];
+        if target.as_ref().is_none_or(|t| t.size != look.camera.size) {
+            *target = Some(Target::new(device, pipelines, look.camera.size));
+        }
+        let target = target.as_ref()?;
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        scene.draw(&mut encoder, pipelines, target);
+        queue.submit([encoder.finish()]);
+        Some((frame.figures, Picture::Card(slot, target.view.clone())))
+    }
 }
 
 impl Desk<'_> {
@@ -222,16 +315,24 @@ impl Desk<'_> {
         let polygons = count(&mut self.easel);
         let found = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
-        let options = Options {
-            culling: look.culling,
-            objects: true,
-            ..Options::default()
-        };
-        let drawn = painter.draw_chosen(&look.camera, &chooser, &options, &mut self.easel);
-        let figures = drawn.unwrap_or_default();
+        let by_card = self
+            .studio
+            .as_mut()
+            .and_then(|studio| studio.paint(painter, &look, &mut self.easel));
+        let (figures, picture) = by_card.unwrap_or_else(|| {
+            let options = Options {
+                culling: look.culling,
+                objects: true,
+                ..Options::default()
+            };
+            let cameras = (&look.camera, &chooser);
+            let drawn = painter.draw_chosen(cameras, &options, &mut self.easel);
+            let bytes = self.easel.canvas.srgb();
+            (drawn.unwrap_or_default(), Picture::Bytes(bytes))
+        });
         Seen {
             look,
-            picture: self.easel.canvas.srgb(),
+            picture,
             cell,
             cells,
             area,

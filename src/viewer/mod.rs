@@ -11,15 +11,25 @@
 //! | [`engine`] | a thread that answers what an eye sees, and why cells see each other |
 //! | [`plan`] | the plan: to look at and to click on |
 //! | [`app`] | the window: menus, movement, the 3D view |
+//! | [`walker`] | movement: on the ground with its walls and steps, or flying |
+//! | [`scene`] | the picture in space by the graphics card, in the order of the BSP |
+//! | [`gpu`] | a device without a window, for pictures in files and for tests |
+//! | [`tracing`] | the ray tracer beside the window's thread, coarse at once and finer as one waits |
 //! | [`panels`] | statistics, effects, accuracy, findings, help |
 
 pub mod app;
 pub mod document;
 pub mod engine;
+pub mod gpu;
 pub mod panels;
 pub mod plan;
+#[cfg(test)]
+mod sample;
+pub mod scene;
 #[cfg(all(test, feature = "viewer-tests"))]
 mod tests;
+pub mod tracing;
+pub mod walker;
 
 use std::path::PathBuf;
 
@@ -58,7 +68,7 @@ pub fn run(
         Box<dyn eframe::App>,
         Box<dyn std::error::Error + Send + Sync>,
     > {
-        let mut app = App::new(&context.egui_ctx, loader);
+        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), loader);
         app.log = log;
         if let Some((path, map)) = level {
             app.open(path, map);

@@ -4,13 +4,14 @@ use eframe::egui;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
 
-use super::app::{App, Tab};
+use super::app::{App, Tab, View};
+use super::walker::Mode;
 use crate::level::wording::grouped;
 use crate::level::{Finding, Place, Severity};
 use crate::preview::Culling;
 
 /// The keys, and what they do.
-const KEYS: [(&str, &str); 15] = [
+const KEYS: [(&str, &str); 16] = [
     ("W A S D", "walk; arrow keys too, left and right turn"),
     ("drag in the view", "look around"),
     ("Shift", "run"),
@@ -19,6 +20,7 @@ const KEYS: [(&str, &str); 15] = [
     ("M", "plan on and off"),
     ("H", "plan coloured by the number of cells seen"),
     ("P", "freeze what is drawn, and fly out to look at it"),
+    ("1 2 3", "painted, traced, or both side by side"),
     ("T", "pictures on the walls, or plain colours"),
     ("click in the plan", "this cell's PVS"),
     (
@@ -48,6 +50,10 @@ impl App {
             });
             ui.menu_button("View", |ui| {
                 let s = &mut self.settings;
+                ui.radio_value(&mut s.view, View::Painted, "Painted polygons (1)");
+                ui.radio_value(&mut s.view, View::Traced, "Traced rays (2)");
+                ui.radio_value(&mut s.view, View::Both, "Both, side by side (3)");
+                ui.separator();
                 ui.checkbox(&mut s.plan, "Plan (M)");
                 ui.checkbox(&mut s.heat, "Cells seen, in colours (H)");
                 ui.checkbox(&mut s.textured, "Pictures on walls (T)");
@@ -82,7 +88,10 @@ impl App {
     }
 
     fn go_menu(&mut self, ui: &mut Ui) {
-        ui.checkbox(&mut self.settings.fly, "Fly (F)");
+        let mut fly = self.eye.mode == Mode::Fly;
+        if ui.checkbox(&mut fly, "Fly (F)").changed() {
+            self.eye.mode = if fly { Mode::Fly } else { Mode::Walk };
+        }
         let Some(document) = self.document.clone() else {
             return;
         };
@@ -121,7 +130,7 @@ impl App {
                 ui.label("drop a level file here, or open one in the menu");
                 return;
             };
-            let p = self.eye.at;
+            let p = self.eye.eye;
             ui.label(match seen.cell {
                 Some(cell) => format!(
                     "cell {} · {} · PVS {} of {} cells · in view {}",
@@ -148,6 +157,7 @@ impl App {
             for (tab, name) in [
                 (Tab::Statistics, "Statistics"),
                 (Tab::Effects, "Effects"),
+                (Tab::Accuracy, "Accuracy"),
                 (Tab::Why, "Why"),
                 (Tab::Findings, "Findings"),
             ] {
@@ -160,6 +170,7 @@ impl App {
             .show(ui, |ui| match self.tab {
                 Tab::Statistics => self.statistics(ui),
                 Tab::Effects => self.effects(ui),
+                Tab::Accuracy => self.accuracy(ui),
                 Tab::Why => self.why(ui),
                 Tab::Findings => self.findings(ui),
             });
@@ -261,11 +272,56 @@ impl App {
                 ("off", Color32::GRAY)
             };
             ui.horizontal(|ui| {
+                let mut on = verdict.needed && !self.settings.without.has(verdict.effect);
+                let name = RichText::new(verdict.effect.as_str()).strong();
+                if ui
+                    .add_enabled(verdict.needed, egui::Checkbox::new(&mut on, name))
+                    .changed()
+                {
+                    let without = self.settings.without;
+                    self.settings.without = if on {
+                        without.without(verdict.effect)
+                    } else {
+                        without.with(verdict.effect)
+                    };
+                    self.trace_again();
+                }
                 ui.label(RichText::new(sign).color(colour).strong());
-                ui.label(RichText::new(verdict.effect.as_str()).strong());
             });
             ui.label(RichText::new(&verdict.reason).weak());
             ui.add_space(6.0);
+        }
+    }
+
+    fn accuracy(&mut self, ui: &mut Ui) {
+        ui.label("What a traced picture (2, 3) costs as you turn these:");
+        let s = &mut self.settings;
+        let mut changed = false;
+        for (value, range, name) in [
+            (&mut s.samples, 1..=64, "samples in a pixel"),
+            (&mut s.depth, 0..=16, "reflections in a row"),
+            (&mut s.rays, 1..=64, "rays to lights and into cones"),
+        ] {
+            changed |= ui.add(egui::Slider::new(value, range).text(name)).changed();
+        }
+        if changed {
+            self.trace_again();
+        }
+        ui.add_space(8.0);
+        if let Some((_, traced)) = &self.traced {
+            egui::Grid::new("traced").num_columns(2).show(ui, |ui| {
+                let mut row = |name: &str, value: String| {
+                    ui.label(RichText::new(name).weak());
+                    ui.label(value);
+                    ui.end_row();
+                };
+                row("picture", format!("{:.0} ms", traced.milliseconds));
+                row("rays", grouped(traced.rays));
+                row("since the eye rests", format!("{:.0} ms", traced.since));
+                row("samples", traced.samples.to_string());
+            });
+        } else {
+            ui.label(RichText::new("no picture is traced now").weak());
         }
     }
 

@@ -10,8 +10,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec2;
 
-use super::app::{App, Tab};
+use super::app::{App, Tab, View};
 use super::document::{Loaded, Loader};
+use super::engine::Picture;
+use super::walker::Mode;
 use crate::cells::CellId;
 use crate::level::read;
 use crate::preview::Culling;
@@ -40,7 +42,7 @@ fn window(path: PathBuf) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(move |context| {
-            let mut app = App::new(&context.egui_ctx, loader());
+            let mut app = App::new(&context.egui_ctx, None, loader());
             app.open(path, None);
             app
         });
@@ -115,7 +117,7 @@ fn keys_move_the_eye_and_what_it_sees_follows() {
     harness.step();
     let after = harness.state().eye;
     assert!(after.yaw > before.yaw);
-    assert!(after.at.distance(before.at) > 0.1, "{before:?} {after:?}");
+    assert!(after.eye.distance(before.eye) > 0.1, "{before:?} {after:?}");
     let camera = harness.state().camera();
     until(&mut harness, "a picture from there", |app| {
         app.seen.as_ref().is_some_and(|s| s.look.camera == camera)
@@ -124,7 +126,7 @@ fn keys_move_the_eye_and_what_it_sees_follows() {
     assert_ne!(now.cells, seen);
     let [all, pvs, eye] = now.polygons;
     assert!(eye <= pvs && pvs <= all && eye > 0, "{:?}", now.polygons);
-    assert!(now.picture.iter().any(|b| *b > 0));
+    assert!(matches!(&now.picture, Picture::Bytes(b) if b.iter().any(|b| *b > 0)));
 }
 
 #[test]
@@ -180,9 +182,9 @@ fn a_frozen_choice_stays_while_the_eye_flies_out() {
     harness.key_press(Key::F);
     harness.run_steps(3);
     let app = harness.state_mut();
-    assert!(app.frozen.is_some() && app.settings.fly);
+    assert!(app.frozen.is_some() && app.eye.mode == Mode::Fly);
     let chosen = app.seen.as_ref().expect("a picture").cells.clone();
-    app.eye.at.z += 30.0;
+    app.eye.eye.z += 30.0;
     app.eye.pitch = -1.2;
     harness.step();
     let camera = harness.state().camera();
@@ -251,9 +253,37 @@ fn panels_tell_what_is_drawn_and_why() {
 }
 
 #[test]
+fn a_traced_picture_grows_finer_while_the_eye_rests() {
+    let mut harness = window(sample("tiny.toml"));
+    harness.state_mut().settings.samples = 2;
+    harness.key_press(Key::Num3);
+    harness.step();
+    assert_eq!(harness.state().settings.view, View::Both);
+    until(&mut harness, "a coarse picture", |app| app.traced.is_some());
+    until(&mut harness, "the whole picture", |app| {
+        app.traced.as_ref().is_some_and(|(_, t)| t.done)
+    });
+    let (_, traced) = harness.state().traced.as_ref().expect("a picture");
+    assert_eq!((traced.samples, traced.coarse), (2, 1));
+    assert_eq!(traced.size, harness.state().camera().size);
+    // Without shadows it is another one.
+    let before = traced.bytes.clone();
+    let shadows = crate::trace::effects::Effect::Shadows;
+    let app = harness.state_mut();
+    app.settings.without = app.settings.without.with(shadows);
+    app.trace_again();
+    harness.run_steps(3);
+    until(&mut harness, "a picture without shadows", |app| {
+        app.traced
+            .as_ref()
+            .is_some_and(|(_, t)| t.done && t.bytes != before)
+    });
+}
+
+#[test]
 fn a_path_is_walked_and_stops() {
     let mut harness = window(sample("museum.toml"));
-    let before = harness.state().eye.at;
+    let before = harness.state().eye.eye;
     harness.state_mut().play(None);
     for _ in 0..20 {
         harness.step();
@@ -263,9 +293,9 @@ fn a_path_is_walked_and_stops() {
     assert!(play.running && play.at > 0.0);
     harness.get_by_label("Pause").click();
     harness.run_steps(3);
-    let at = harness.state().eye.at;
+    let at = harness.state().eye.eye;
     harness.run_steps(5);
-    assert_eq!(harness.state().eye.at, at);
+    assert_eq!(harness.state().eye.eye, at);
     assert_ne!(at, before);
 }
 
@@ -283,7 +313,7 @@ fn the_window_does_not_wait_for_slow_levels() {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(|context| {
-            let mut app = App::new(&context.egui_ctx, loader());
+            let mut app = App::new(&context.egui_ctx, None, loader());
             app.open(path.to_path_buf(), Some("MAP12".to_string()));
             app
         });

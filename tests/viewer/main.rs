@@ -139,7 +139,15 @@ fn keys_walk_through_the_museum() {
     };
     std::thread::sleep(Duration::from_millis(800));
     let before = picture("viewer-before.png");
-    // There is no window manager: the pointer over the window gives it the keys.
+    // There is no window manager, so nobody gives the window the keys.
+    let found = Command::new("xdotool")
+        .args(["search", "--name", "enfilade"])
+        .env("DISPLAY", &display)
+        .output()
+        .expect("xdotool runs");
+    let found = String::from_utf8_lossy(&found.stdout).into_owned();
+    let window = found.lines().last().expect("there is a window");
+    xdotool(&["windowfocus", window]);
     xdotool(&["mousemove", "500", "400"]);
     xdotool(&["keydown", "w"]);
     let moved = wait(&log, "the cell has changed", |s| s.cell != first.cell);
