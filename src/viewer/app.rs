@@ -700,6 +700,8 @@ impl App {
     /// The plan, in all the room there is.
     fn plan(&mut self, ui: &mut Ui) {
         let Some(document) = self.document.clone() else {
+            // So that the room is not given away meanwhile.
+            ui.take_available_space();
             return;
         };
         let seen = self.seen.as_ref();
