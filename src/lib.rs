@@ -25,6 +25,7 @@
 //! | [`walk`] | path or `Level` + `CellGraph` + person → [`Track`](walk::Track) | the eye at each moment: smooth paths at constant speed, tours of everything that can be reached on foot, and what each frame has to draw |
 //! | [`report`] | results → people | JSON, pictures of the plan, explanations in words |
 //! | [`study`] | results → people | what accuracy costs in time; the hard cases; what effects, samples and structures cost |
+//! | `viewer` (feature `viewer`) | level file → window | walking through a level; the plan; what is visible from where, why, and what it costs |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
 //!
 //! # Numbers: exact inside, one door
@@ -72,4 +73,6 @@ pub mod report;
 pub mod sight;
 pub mod study;
 pub mod trace;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 pub mod walk;

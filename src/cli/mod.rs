@@ -18,6 +18,7 @@ mod stage;
 mod study;
 mod summary;
 mod verify;
+mod view;
 mod walk;
 
 use std::io::{self, Write};
@@ -43,6 +44,7 @@ enum Command {
     Plan(plan::PlanArgs),
     Render(render::RenderArgs),
     Study(study::StudyArgs),
+    View(view::ViewArgs),
     Walk(walk::WalkArgs),
 }
 
@@ -79,6 +81,7 @@ pub fn main(memory: Option<Memory>) -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Study(args) => study::run(&args, memory),
+        Command::View(args) => view::run(&args),
         Command::Walk(args) => walk::run(&args),
     };
     match result {

@@ -203,6 +203,16 @@ impl Coats {
         texture.texels[row * texture.width as usize + column]
     }
 
+    /// Index into [`Coats::textures`] of a material's picture, by its number in [`World::pictures`].
+    pub fn texture_of(&self, picture: u32) -> u32 {
+        self.first + picture
+    }
+
+    /// The distance at which half of the light is lost that is lost on the way to infinity.
+    pub fn dusk(&self) -> f64 {
+        self.dusk
+    }
+
     /// Mean colour of a material's picture, by its number in [`World::pictures`].
     pub fn mean(&self, picture: u32) -> DVec3 {
         self.textures[(self.first + picture) as usize].mean

@@ -1,6 +1,9 @@
 //! Whole pictures: which polygons, in which order, and what that costs.
 
+use std::sync::Arc;
+
 use fearless_simd::{Level as Simds, dispatch};
+use glam::DVec3;
 use rayon::prelude::*;
 use smallvec::{SmallVec, smallvec};
 
@@ -10,7 +13,7 @@ use super::coat::{Coats, Finish, Packed};
 use super::culling::{Culling, cone};
 use super::fill::{fill, solid};
 use super::objects::{self, Spot, Standing, Window};
-use super::polygon::{Polygon, Polygons};
+use super::polygon::Polygons;
 use super::view::{Shown, View};
 use crate::cells::{CellGraph, CellId, Locator, Tree};
 use crate::pvs::Pvs;
@@ -76,17 +79,35 @@ impl Figures {
     }
 }
 
+/// What painting a level needs beside the level: made once, and borrowing nothing, so that whoever keeps
+/// a level can keep it too.
+pub struct Brushes {
+    /// The polygons.
+    pub polygons: Polygons,
+    /// What they are painted with.
+    pub coats: Coats,
+    /// How pictures look.
+    pub finish: Finish,
+    locator: Locator,
+}
+
 /// A level made ready to be painted, once for all pictures.
 pub struct Painter<'a> {
     world: &'a World,
     graph: &'a CellGraph,
     tree: &'a Tree,
     pvs: &'a Pvs,
-    polygons: Polygons,
-    coats: Coats,
-    finish: Finish,
+    brushes: Arc<Brushes>,
     lookout: Lookout<'a>,
-    locator: Locator,
+}
+
+/// What is painted in one go, as [`Painter::order`] tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// The polygon of that number, with its second coat if it has one. The eye is before it.
+    Polygon(u32),
+    /// What stands in a cell; nothing may.
+    Objects(CellId),
 }
 
 /// What is needed to paint, kept from one picture to the next; afterwards it holds the picture.
@@ -123,28 +144,47 @@ impl<'a> Painter<'a> {
         pvs: &'a Pvs,
         finish: Finish,
     ) -> Option<Self> {
-        let polygons = Polygons::of(&world.space);
+        // Whether there is a tree is asked first: the rest takes longer.
+        graph.tree.as_ref()?;
+        let brushes = Arc::new(Brushes::new(world, graph, finish));
+        Self::with(world, graph, pvs, brushes)
+    }
+
+    /// As [`Painter::new`], with what was made ready before of the same world and graph. O(cells).
+    pub fn with(
+        world: &'a World,
+        graph: &'a CellGraph,
+        pvs: &'a Pvs,
+        brushes: Arc<Brushes>,
+    ) -> Option<Self> {
         Some(Self {
             world,
             graph,
             tree: graph.tree.as_ref()?,
             pvs,
-            coats: Coats::new(world, &polygons, finish),
-            polygons,
-            finish,
+            brushes,
             lookout: Lookout::new(graph),
-            locator: Locator::new(graph),
         })
+    }
+
+    /// The world that is painted.
+    pub fn world(&self) -> &'a World {
+        self.world
+    }
+
+    /// What was made ready once.
+    pub fn brushes(&self) -> &Arc<Brushes> {
+        &self.brushes
     }
 
     /// The polygons.
     pub fn polygons(&self) -> &Polygons {
-        &self.polygons
+        &self.brushes.polygons
     }
 
     /// What they are painted with.
     pub fn coats(&self) -> &Coats {
-        &self.coats
+        &self.brushes.coats
     }
 
     /// Draws what a camera sees onto the easel's canvas. O(cells + pixels painted), with bands of rows on
@@ -155,31 +195,40 @@ impl<'a> Painter<'a> {
         options: &Options,
         easel: &mut Easel,
     ) -> Result<Figures, EyeError> {
-        let cell = locate(self.world, self.graph, &self.locator, camera.eye)?;
+        self.draw_chosen((camera, camera), options, easel)
+    }
+
+    /// As [`Painter::draw`], of the cells that are drawn for a second camera: what that one sees, looked
+    /// at from elsewhere, be it from outside of the level.
+    pub fn draw_chosen(
+        &self,
+        (camera, chosen_for): (&Camera, &Camera),
+        options: &Options,
+        easel: &mut Easel,
+    ) -> Result<Figures, EyeError> {
+        self.choose(chosen_for, options.culling, easel)?;
         let view = View::new(camera);
-        let mut figures = Figures {
-            all: self.polygons.iter().len() as u64,
-            ..Figures::default()
-        };
-        self.choose(camera, cell, options.culling, easel)?;
         let mut jobs = Vec::new();
-        easel.lines.clear();
-        easel.windows.clear();
-        let outside = EyeError::Outside(camera.eye);
-        let eye = self.graph.grid.fine(camera.eye.truncate()).ok_or(outside)?;
-        let wanted = &easel.wanted;
-        let lists = (&mut easel.lines, &mut easel.windows);
-        self.tree.back_to_front(&eye, |cell| {
-            if wanted[cell.0 as usize] {
-                self.add(
-                    (&view, cell),
-                    options,
-                    (lists.0, lists.1),
-                    &mut jobs,
-                    &mut figures,
-                );
+        let mut lines = std::mem::take(&mut easel.lines);
+        let mut windows = std::mem::take(&mut easel.windows);
+        lines.clear();
+        windows.clear();
+        let (mut shown, mut objects) = (0, 0);
+        let mut figures = self.order(camera.eye, easel, |turn| match turn {
+            Turn::Polygon(number) => {
+                let added = self.add(&view, number, &mut lines, &mut jobs);
+                shown += u64::from(added);
             }
-        });
+            Turn::Objects(cell) if options.objects => {
+                let standing = objects::show(self.world, &view, cell, &mut windows);
+                objects += self.world.objects_in(cell).len() as u64;
+                jobs.extend(standing.map(Job::Objects));
+            }
+            Turn::Objects(_) => {}
+        })?;
+        figures.shown = shown;
+        figures.objects = objects;
+        (easel.lines, easel.windows) = (lines, windows);
         easel.canvas.clear(camera.size, options.surfaces);
         let scene = Scene {
             painter: self,
@@ -220,37 +269,72 @@ impl<'a> Painter<'a> {
         culling: Culling,
         easel: &mut Easel,
     ) -> Result<Figures, EyeError> {
-        let cell = locate(self.world, self.graph, &self.locator, camera.eye)?;
-        self.choose(camera, cell, culling, easel)?;
-        let mut figures = Figures {
-            all: self.polygons.iter().len() as u64,
-            ..Figures::default()
-        };
-        let wanted = self.graph.cell_ids().filter(|c| easel.wanted[c.0 as usize]);
-        for cell in wanted {
-            let list = self.polygons.in_cell(cell);
-            let before = |p: &&Polygon| p.before(&self.world.space, camera.eye) > 0.0;
-            figures.cells += 1;
-            figures.triangles += u64::from(self.polygons.triangles_in(cell));
-            figures.polygons += list.len() as u64;
-            figures.painted += list.iter().filter(before).count() as u64;
-            figures.objects += self.world.objects_in(cell).len() as u64;
+        self.choose(camera, culling, easel)?;
+        let mut figures = self.figures();
+        for cell in easel.chosen() {
+            self.tally(cell, camera.eye, &mut figures, |_| {});
         }
         Ok(figures)
     }
 
-    /// Marks the cells that are wanted.
-    fn choose(
+    /// The order in which everything in the chosen cells is painted, the farthest first: of each cell its
+    /// polygons before which the eye is, then what stands in it. The eye may be where no cell is, or
+    /// another than the one that the cells were chosen for. Pixels, and what lies within the picture, are not
+    /// counted.
+    pub fn order(
+        &self,
+        eye: DVec3,
+        easel: &Easel,
+        mut turn: impl FnMut(Turn),
+    ) -> Result<Figures, EyeError> {
+        let outside = EyeError::Outside(eye);
+        let fine = self.graph.grid.fine(eye.truncate()).ok_or(outside)?;
+        let mut figures = self.figures();
+        self.tree.back_to_front(&fine, |cell| {
+            if easel.wanted[cell.0 as usize] {
+                self.tally(cell, eye, &mut figures, |n| turn(Turn::Polygon(n)));
+                turn(Turn::Objects(cell));
+            }
+        });
+        Ok(figures)
+    }
+
+    fn figures(&self) -> Figures {
+        Figures {
+            all: self.polygons().iter().len() as u64,
+            ..Figures::default()
+        }
+    }
+
+    /// Counts a cell, and names its polygons that the eye is before.
+    fn tally(&self, cell: CellId, eye: DVec3, figures: &mut Figures, mut visit: impl FnMut(u32)) {
+        let polygons = self.polygons();
+        let list = polygons.in_cell(cell);
+        figures.cells += 1;
+        figures.triangles += u64::from(polygons.triangles_in(cell));
+        figures.polygons += list.len() as u64;
+        figures.objects += self.world.objects_in(cell).len() as u64;
+        for (number, polygon) in (polygons.first_in(cell)..).zip(list) {
+            if polygon.before(&self.world.space, eye) > 0.0 {
+                figures.painted += 1;
+                visit(number);
+            }
+        }
+    }
+
+    /// Chooses the cells that are painted for a camera; the easel keeps them. Returns the eye's cell. An
+    /// error leaves none chosen, but with [`Culling::None`] all of them.
+    pub fn choose(
         &self,
         camera: &Camera,
-        cell: CellId,
         culling: Culling,
         easel: &mut Easel,
-    ) -> Result<(), EyeError> {
+    ) -> Result<CellId, EyeError> {
         let n = self.graph.cells.len();
         let wanted = &mut easel.wanted;
         wanted.clear();
         wanted.resize(n, culling == Culling::None);
+        let cell = locate(self.world, self.graph, &self.brushes.locator, camera.eye)?;
         match culling {
             Culling::None => {}
             Culling::Pvs => {
@@ -268,47 +352,54 @@ impl<'a> Painter<'a> {
                 }
             }
         }
-        Ok(())
+        Ok(cell)
     }
 
-    /// Adds what there is to paint of a cell.
+    /// Adds what there is to paint of a polygon; whether it may lie within the picture.
     fn add<'s>(
         &'s self,
-        (view, cell): (&View, CellId),
-        options: &Options,
-        (lines, windows): (&mut Vec<Line>, &mut Vec<Window>),
+        view: &View,
+        number: u32,
+        lines: &mut Vec<Line>,
         jobs: &mut Vec<Job<'s>>,
-        figures: &mut Figures,
-    ) {
-        figures.cells += 1;
-        figures.triangles += u64::from(self.polygons.triangles_in(cell));
-        let list = self.polygons.in_cell(cell);
-        figures.polygons += list.len() as u64;
-        let first = self.polygons.first_in(cell);
-        for (number, polygon) in (first..).zip(list) {
-            if polygon.before(&self.world.space, view.eye) <= 0.0 {
-                continue;
-            }
-            figures.painted += 1;
-            let coat = &self.coats.list[number as usize];
-            let coats = (&self.coats, coat);
-            let shown = view.show(&self.world.space, (number, polygon), coats, lines);
-            let Some(shown) = shown else {
-                continue;
-            };
-            figures.shown += 1;
-            jobs.push(Job::Polygon(shown));
-            if let Some(coat) = self.coats.over(number) {
-                let coats = (&self.coats, coat);
-                let over = view.show(&self.world.space, (number, polygon), coats, lines);
-                jobs.extend(over.map(Job::Polygon));
-            }
+    ) -> bool {
+        let Brushes {
+            polygons, coats, ..
+        } = &*self.brushes;
+        let polygon = polygons.get(number);
+        let mut show = |coat| {
+            let shown = view.show(&self.world.space, (number, polygon), (coats, coat), lines);
+            jobs.extend(shown.map(Job::Polygon));
+            shown.is_some()
+        };
+        if !show(&coats.list[number as usize]) {
+            return false;
         }
-        if options.objects {
-            let standing = objects::show(self.world, view, cell, windows);
-            figures.objects += self.world.objects_in(cell).len() as u64;
-            jobs.extend(standing.map(Job::Objects));
+        if let Some(coat) = coats.over(number) {
+            show(coat);
         }
+        true
+    }
+}
+
+impl Brushes {
+    /// Makes a level ready.
+    pub fn new(world: &World, graph: &CellGraph, finish: Finish) -> Self {
+        let polygons = Polygons::of(&world.space);
+        Self {
+            coats: Coats::new(world, &polygons, finish),
+            polygons,
+            finish,
+            locator: Locator::new(graph),
+        }
+    }
+}
+
+impl Easel {
+    /// The cells that were chosen last, ascending.
+    pub fn chosen(&self) -> impl Iterator<Item = CellId> + '_ {
+        let wanted = (0..).zip(&self.wanted).filter(|(_, wanted)| **wanted);
+        wanted.map(|(cell, _)| CellId(cell))
     }
 }
 
@@ -451,11 +542,11 @@ impl Scene<'_> {
         let start = band.place(0, y);
         let range = start + from as usize..start + to as usize;
         let painter = self.painter;
-        let scene = (painter.world, &painter.coats, self.view);
+        let scene = (painter.world, painter.coats(), self.view);
         fill(scene, shown, (from, y), &mut band.pixels[range.clone()]);
         if !band.surfaces.is_empty() {
             for (x, surface) in (from..).zip(&mut band.surfaces[range]) {
-                if solid(&painter.coats, shown, (x, y)) {
+                if solid(painter.coats(), shown, (x, y)) {
                     *surface = shown.polygon;
                 }
             }
@@ -466,15 +557,20 @@ impl Scene<'_> {
     #[inline(never)]
     fn spot(&self, standing: &Standing, x: u32, y: u32) -> Option<Spot> {
         let painter = self.painter;
-        let scene = (painter.world, &painter.coats, self.view);
-        objects::spot(scene, (standing, self.windows), (x, y), painter.finish)
+        let scene = (painter.world, painter.coats(), self.view);
+        objects::spot(
+            scene,
+            (standing, self.windows),
+            (x, y),
+            painter.brushes.finish,
+        )
     }
 
     fn dab(&self, (x, y): (u32, u32), spot: &Spot, band: &mut Band) {
         let at = band.place(x, y);
         band.pixels[at] = spot.over(band.pixels[at]);
         if let Some(surface) = band.surfaces.get_mut(at) {
-            *surface = self.painter.polygons.iter().len() as u32 + spot.object;
+            *surface = self.painter.polygons().iter().len() as u32 + spot.object;
         }
     }
 }

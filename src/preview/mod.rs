@@ -40,5 +40,5 @@ pub mod view;
 pub use canvas::Canvas;
 pub use coat::{Coats, Finish};
 pub use culling::Culling;
-pub use draw::{Easel, Figures, Options, Order, Painter};
+pub use draw::{Brushes, Easel, Figures, Options, Order, Painter, Turn};
 pub use polygon::{Polygon, Polygons};

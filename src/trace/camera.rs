@@ -54,6 +54,21 @@ impl Camera {
         }
     }
 
+    /// The same camera with pixels that are `n` times as wide and high: each in the place of n × n. Those at
+    /// the right and lower border may reach over it.
+    pub fn coarser(&self, n: u32) -> Self {
+        let n = n.max(1);
+        Self {
+            eye: self.eye,
+            size: self.size.map(|pixels| pixels.div_ceil(n)),
+            fan: Fan {
+                across: self.fan.across * f64::from(n),
+                down: self.fan.down * f64::from(n),
+                ..self.fan
+            },
+        }
+    }
+
     /// Where it looks: unit vector.
     pub fn direction(&self) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
@@ -104,6 +119,16 @@ mod tests {
         close([100.0, 50.0], [0.0, 1.0, 0.0]);
         close([0.0, 0.0], [-1.0, 1.0, 0.5]);
         close([200.0, 100.0], [1.0, 1.0, -0.5]);
+    }
+
+    #[test]
+    fn coarse_pixels_lie_over_fine_ones() {
+        let camera = Camera::new(DVec3::ONE, DVec3::new(2.0, 1.0, 0.3), 70.0, [203, 98]);
+        let coarse = camera.coarser(8);
+        assert_eq!(coarse.size, [26, 13]);
+        let [a, b] = [(&coarse, 1.0), (&camera, 8.0)]
+            .map(|(c, n)| c.ray(DVec2::new(3.5, 7.25) * n).direction);
+        assert!((a - b).length() < 1e-14);
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub struct Rendered {
 const TILE: u32 = 32;
 
 /// Renders a picture from an eye in `start`, on the current rayon thread pool. `progress` counts
-/// pixels.
+/// pixels; once it is asked to stop, what is left of the picture stays black.
 pub fn render(
     tracer: &Tracer,
     camera: &Camera,
@@ -165,7 +165,9 @@ impl Job<'_> {
             .into_par_iter()
             .map(|area| {
                 let mut work = Work::new(n_cells);
-                let pixels = if samples == 1 && self.tracer.walks() {
+                let pixels = if self.progress.stopped() {
+                    Vec::new()
+                } else if samples == 1 && self.tracer.walks() {
                     self.by_beams(&first, area, &mut work)
                 } else {
                     let each = pixels(area).map(|p| self.pixel(&first, p, 0, samples, &mut work));
@@ -318,6 +320,9 @@ impl Job<'_> {
         past: u32,
         work: &mut Work,
     ) -> DVec3 {
+        if self.progress.stopped() {
+            return DVec3::ZERO;
+        }
         let n = past - first;
         let corner = DVec2::new(f64::from(x), f64::from(y));
         let places: Vec<DVec2> = if past == 1 {

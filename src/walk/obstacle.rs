@@ -178,7 +178,7 @@ fn hull(points: &[DVec3]) -> Vec<DVec2> {
 }
 
 /// Whether a convex counterclockwise polygon holds a point.
-pub(super) fn within(polygon: &[DVec2], p: DVec2) -> bool {
+pub fn within(polygon: &[DVec2], p: DVec2) -> bool {
     polygon.len() > 2
         && (0..polygon.len()).all(|i| {
             let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);

@@ -104,7 +104,7 @@ impl std::fmt::Display for Barrier {
 }
 
 /// Floor and ceiling; a level without heights has its floor at 0 and no ceiling.
-pub(super) fn heights(chamber: &Chamber) -> [f64; 2] {
+pub fn heights(chamber: &Chamber) -> [f64; 2] {
     let floor = if chamber.floor.is_finite() {
         chamber.floor
     } else {

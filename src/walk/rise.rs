@@ -54,7 +54,7 @@ impl<'a> Ground<'a> {
 /// Crosses the cells on a straight way from a place in `cell`, in order: `visit` is told each portal
 /// (its edge, as seen from the side that one comes from) and whether to go on. The cell in which the
 /// way ends; `None` where a wall, or `visit`, stops it.
-pub(super) fn cross(
+pub fn cross(
     space: &Space,
     mut cell: u32,
     [from, to]: [DVec2; 2],

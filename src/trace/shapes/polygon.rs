@@ -172,6 +172,11 @@ impl Polygon {
         &self.corners
     }
 
+    /// Triangles that make it up: three corners each, going around as it does.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
     /// Its unit normal.
     pub fn normal(&self) -> DVec3 {
         self.normal

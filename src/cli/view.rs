@@ -1,0 +1,61 @@
+//! `enfilade view`: the interactive viewer.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::Answer;
+
+/// Walk through a level in a window: what is visible from where, why, and what it costs.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Level file: .toml, or a Doom .wad; more can be opened in the window
+    level: Option<PathBuf>,
+    /// Map of a WAD that has several
+    #[arg(long, value_name = "NAME")]
+    map: Option<String>,
+    /// Write a line to standard error whenever the eye comes into another cell
+    #[arg(long)]
+    log: bool,
+}
+
+/// Runs `enfilade view`.
+#[cfg(feature = "viewer")]
+pub fn run(args: &ViewArgs) -> Result<Answer> {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::level_args::open;
+    use super::render::files;
+    use crate::viewer::{self, Loaded};
+
+    let read = |path: &Path, map: Option<&str>| -> Result<Loaded> {
+        let source = open(path)?;
+        let level = source.level(map)?;
+        let files = files::read(path, &source, &level)?;
+        Ok(Loaded { level, files })
+    };
+    let level = args.level.clone().map(|path| (path, args.map.clone()));
+    if let Some((path, map)) = &level {
+        // Said where it was asked for, before a window opens.
+        read(path, map.as_deref())?;
+    }
+    let loader = Arc::new(move |path: &Path, map: Option<&str>| {
+        read(path, map).map_err(|e| format!("{e:#}"))
+    });
+    let log = args
+        .log
+        .then_some((|line: &str| super::complain(line)) as fn(&str));
+    viewer::run(level, loader, log)?;
+    Ok(Answer::Yes)
+}
+
+/// Says how to get it.
+#[cfg(not(feature = "viewer"))]
+pub fn run(args: &ViewArgs) -> Result<Answer> {
+    _ = (&args.level, &args.map, args.log);
+    anyhow::bail!(
+        "this enfilade was built without the viewer; build it with `cargo build --release --features viewer`"
+    )
+}

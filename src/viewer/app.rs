@@ -1,0 +1,807 @@
+//! The window: what is open, where the eye is, and what happens when keys are pressed.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant, SystemTime};
+
+use eframe::egui;
+use eframe::egui_wgpu::RenderState;
+use egui::{Color32, ColorImage, Key, Sense, TextureHandle, TextureId, TextureOptions, Ui};
+use glam::{DVec2, DVec3};
+
+use super::document::{Document, Loader};
+use super::engine::{Card, Engine, Explained, Look, Picture, Report, SLOTS, Seen};
+use super::plan::{PlanEvent, PlanScene, PlanView};
+use super::tracing::{Report as TracingReport, Request, Traced, Tracing};
+use super::walker::{Input, Mode, Walker};
+use crate::cells::{CellId, Doors};
+use crate::preview::Culling;
+use crate::trace::camera::Camera;
+use crate::trace::effects::Effects;
+use crate::trace::picture::Exposure;
+use crate::trace::render::RenderOptions;
+use crate::trace::shade::Limits;
+use crate::walk::{Ground, Track, TrackOptions, tour};
+
+/// How much of the past the statistics show.
+const HISTORY: usize = 600;
+/// Most pixels of the 3D picture along a side.
+const PIXELS: f32 = 1600.0;
+/// How often the file is looked at.
+const WATCH: Duration = Duration::from_millis(700);
+
+/// A tab of the side panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tab {
+    /// Cells, polygons, milliseconds.
+    Statistics,
+    /// What a picture calls for.
+    Effects,
+    /// Samples, depth, and their cost.
+    Accuracy,
+    /// Why two cells see each other.
+    Why,
+    /// What `check` says.
+    Findings,
+}
+
+/// What is drawn, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Horizontal angle of view in degrees.
+    pub fov: f64,
+    /// Which cells are drawn.
+    pub culling: Culling,
+    /// With pictures.
+    pub textured: bool,
+    /// The plan beside the 3D view.
+    pub plan: bool,
+    /// The plan coloured by what cells see.
+    pub heat: bool,
+    /// Doors that stand closed count as walls.
+    pub closed: bool,
+    /// Heights count for "why".
+    pub heights: bool,
+    /// Times of the window's own thread.
+    pub debug: bool,
+    /// The keys.
+    pub help: bool,
+    /// What the view shows.
+    pub view: View,
+    /// Samples in each pixel of a traced picture, at the end.
+    pub samples: u32,
+    /// Most reflections in a row.
+    pub depth: u32,
+    /// Rays to each light with an extent, and into cones.
+    pub rays: u32,
+    /// Effects that are not traced although they matter.
+    pub without: Effects,
+}
+
+/// What the view shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The polygons, painted.
+    Painted,
+    /// The rays, traced.
+    Traced,
+    /// Both side by side.
+    Both,
+}
+
+/// What a frame took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample {
+    /// Polygons painted.
+    pub polygons: f64,
+    /// Milliseconds to find out and to paint.
+    pub milliseconds: f64,
+}
+
+/// A path that is played.
+pub struct Play {
+    /// The way.
+    pub track: Track,
+    /// What it is called.
+    pub name: String,
+    /// Seconds since its start.
+    pub at: f64,
+    /// Whether it goes on.
+    pub running: bool,
+    /// The way on the plan.
+    pub line: Vec<DVec2>,
+}
+
+/// The window.
+pub struct App {
+    loader: Loader,
+    loading: Option<(String, Receiver<Result<Document, String>>)>,
+    /// What is open.
+    pub document: Option<Arc<Document>>,
+    engine: Option<Engine>,
+    context: egui::Context,
+    /// The eye.
+    pub eye: Walker,
+    /// What is drawn.
+    pub settings: Settings,
+    /// The plan.
+    pub plan: PlanView,
+    /// The side panel.
+    pub tab: Tab,
+    /// What the eye saw last.
+    pub seen: Option<Seen>,
+    picture: Option<TextureHandle>,
+    /// The graphics card's textures, as the window knows them, and the one that is shown.
+    card: Option<RenderState>,
+    slots: [Option<TextureId>; SLOTS],
+    shown: Option<TextureId>,
+    tracing: Option<Tracing>,
+    /// The traced picture, and what it is of.
+    pub traced: Option<(TextureHandle, Traced)>,
+    requested: Option<Camera>,
+    /// What has been asked of the mouse since the last frame.
+    look: DVec2,
+    asked: Option<Look>,
+    /// The camera whose cells stay drawn.
+    pub frozen: Option<Camera>,
+    /// The cell that was clicked.
+    pub source: Option<CellId>,
+    /// And the second one.
+    pub second: Option<CellId>,
+    /// Why the one sees the other, or not.
+    pub explained: Option<Explained>,
+    /// A place to point at.
+    pub mark: Option<DVec2>,
+    /// A path that is walked.
+    pub play: Option<Play>,
+    /// The past.
+    pub history: VecDeque<Sample>,
+    /// What went wrong.
+    pub error: Option<String>,
+    /// A path to open, as it is typed.
+    pub typed: Option<String>,
+    watched: (Instant, Option<SystemTime>),
+    /// The longest that the window's thread took for a frame, in milliseconds, and the last.
+    pub thread: [f64; 2],
+    last: Instant,
+    size: [u32; 2],
+    /// Told of every new cell.
+    pub log: Option<fn(&str)>,
+}
+
+impl App {
+    /// A window without a level.
+    pub fn new(context: &egui::Context, card: Option<RenderState>, loader: Loader) -> Self {
+        context.set_theme(egui::Theme::Dark);
+        Self {
+            loader,
+            loading: None,
+            document: None,
+            engine: None,
+            context: context.clone(),
+            eye: Walker::new(DVec3::ZERO, DVec3::X, Mode::Walk),
+            settings: Settings {
+                fov: 75.0,
+                culling: Culling::Eye,
+                textured: true,
+                plan: true,
+                heat: false,
+                closed: false,
+                heights: false,
+                debug: false,
+                help: false,
+                view: View::Painted,
+                samples: 4,
+                depth: 5,
+                rays: 16,
+                without: Effects::NONE,
+            },
+            plan: PlanView::default(),
+            tab: Tab::Statistics,
+            seen: None,
+            picture: None,
+            card,
+            slots: [None; SLOTS],
+            shown: None,
+            tracing: None,
+            traced: None,
+            requested: None,
+            look: DVec2::ZERO,
+            asked: None,
+            frozen: None,
+            source: None,
+            second: None,
+            explained: None,
+            mark: None,
+            play: None,
+            history: VecDeque::new(),
+            error: None,
+            typed: None,
+            watched: (Instant::now(), None),
+            thread: [0.0; 2],
+            last: Instant::now(),
+            size: [0; 2],
+            log: None,
+        }
+    }
+
+    /// Reads a level beside the window's thread, and shows it when it is ready.
+    pub fn open(&mut self, path: PathBuf, map: Option<String>) {
+        let (loader, context) = (self.loader.clone(), self.context.clone());
+        let doors = if self.settings.closed {
+            Doors::Closed
+        } else {
+            Doors::Open
+        };
+        let (answer, result) = channel();
+        let name = path.display().to_string();
+        self.watched.1 = modified(&path);
+        std::thread::spawn(move || {
+            let document = loader(&path, map.as_deref()).and_then(|loaded| {
+                Document::new((path, map), loaded.level, Arc::new(loaded.files), doors)
+            });
+            _ = answer.send(document);
+            context.request_repaint();
+        });
+        self.loading = Some((name, result));
+    }
+
+    /// Reads what is open once more.
+    pub fn reload(&mut self) {
+        if let Some(document) = &self.document {
+            self.open(document.path.clone(), document.map.clone());
+        }
+    }
+
+    /// Shows a level.
+    pub fn show(&mut self, document: Document) {
+        let same = self
+            .document
+            .as_ref()
+            .is_some_and(|old| (&old.path, &old.map) == (&document.path, &document.map));
+        let document = Arc::new(document);
+        let context = self.context.clone();
+        let card = self.card.as_ref().map(|card| Card {
+            device: card.device.clone(),
+            queue: card.queue.clone(),
+        });
+        self.engine = Some(Engine::start(document.clone(), card, move || {
+            context.request_repaint();
+        }));
+        let inside = document.cell_at(self.eye.eye.truncate()).is_some();
+        if !same || !inside {
+            let (at, direction) = document.start();
+            self.eye = Walker::new(at, direction, self.eye.mode);
+            if let Some(camera) = document.level.scene.cameras.first() {
+                self.settings.fov = camera.fov;
+            }
+        }
+        if !same {
+            self.plan = PlanView::default();
+            self.history.clear();
+        }
+        (self.source, self.second, self.explained) = (None, None, None);
+        (self.frozen, self.play, self.mark) = (None, None, None);
+        (self.asked, self.seen) = (None, None);
+        (self.requested, self.traced) = (None, None);
+        let name = format!("{} – enfilade", document.level.name);
+        self.context
+            .send_viewport_cmd(egui::ViewportCommand::Title(name));
+        self.document = Some(document);
+    }
+
+    /// The eye's camera.
+    pub fn camera(&self) -> Camera {
+        let size = self.size.map(|n| n.max(1));
+        self.eye.camera(self.settings.fov, size)
+    }
+
+    /// Sends the eye to a place of the plan, as high as a person's.
+    pub fn jump(&mut self, at: DVec2) {
+        let Some(document) = &self.document else {
+            return;
+        };
+        self.eye.stand(at, &document.site());
+        self.play = None;
+    }
+
+    /// Looks from a camera of the level.
+    pub fn look_from(&mut self, camera: &crate::level::scene::Camera) {
+        self.eye = Walker::new(camera.eye, camera.direction, self.eye.mode);
+        self.settings.fov = camera.fov;
+        self.play = None;
+    }
+
+    /// Starts a path of the level, or, without a name, a tour.
+    pub fn play(&mut self, name: Option<&str>) {
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        let options = TrackOptions::default();
+        let (graph, space) = (&document.graph, &document.world.space);
+        let track = match name {
+            Some(name) => {
+                let paths = &document.level.scene.paths;
+                let path = paths.iter().find(|p| p.name == name);
+                path.map(|path| Track::new(path, &Ground::new(graph, space), &options))
+            }
+            None => {
+                tour(&document.level, graph, space, &document.person).map(|t| t.track(&options))
+            }
+        };
+        self.play = track.map(|track| Play {
+            line: track.points().iter().map(|p| p.truncate()).collect(),
+            track,
+            name: name.unwrap_or("tour").to_string(),
+            at: 0.0,
+            running: true,
+        });
+        if self.play.is_none() {
+            self.error = Some("there is no way to walk here".to_string());
+        }
+    }
+
+    /// Asks why two cells see each other.
+    pub fn ask_why(&mut self) {
+        if let (Some(engine), Some(a), Some(b)) = (&self.engine, self.source, self.second) {
+            engine.explain([a, b], self.settings.heights);
+            self.tab = Tab::Why;
+        }
+    }
+
+    /// Whether something is being read or computed.
+    pub fn busy(&self) -> Option<&str> {
+        self.loading.as_ref().map(|(name, _)| &name[..])
+    }
+
+    /// Takes in what other threads have found out.
+    fn fetch(&mut self) {
+        let loaded = self.loading.as_ref().map(|(_, result)| result.try_recv());
+        match loaded {
+            Some(Ok(Ok(document))) => {
+                self.loading = None;
+                self.show(document);
+            }
+            Some(Ok(Err(error))) => {
+                self.loading = None;
+                self.error = Some(error);
+            }
+            Some(Err(TryRecvError::Disconnected)) => {
+                self.loading = None;
+                self.error = Some("the level could not be made ready".to_string());
+            }
+            Some(Err(TryRecvError::Empty)) | None => {}
+        }
+        let traced: Vec<_> = self.tracing.iter().flat_map(Tracing::reports).collect();
+        for report in traced {
+            if let TracingReport::Picture(traced) = report {
+                let size = traced.size.map(|n| n as usize);
+                let image = ColorImage::from_rgb(size, &traced.bytes);
+                let options = TextureOptions::NEAREST;
+                let texture = match self.traced.take() {
+                    Some((mut texture, _)) => {
+                        texture.set(image, options);
+                        texture
+                    }
+                    None => self.context.load_texture("traced", image, options),
+                };
+                self.traced = Some((texture, traced));
+            }
+        }
+        let Some(engine) = &self.engine else { return };
+        let reports: Vec<Report> = engine.reports().collect();
+        for report in reports {
+            match report {
+                Report::Seen(seen) => self.take(*seen),
+                Report::Explained(explained) => self.explained = Some(*explained),
+            }
+        }
+    }
+
+    fn take(&mut self, seen: Seen) {
+        match &seen.picture {
+            Picture::Bytes(bytes) => {
+                let size = seen.look.camera.size.map(|n| n as usize);
+                let image = ColorImage::from_rgb(size, bytes);
+                let options = TextureOptions::NEAREST;
+                match &mut self.picture {
+                    Some(texture) => texture.set(image, options),
+                    None => {
+                        self.picture = Some(self.context.load_texture("view", image, options));
+                    }
+                }
+                self.shown = self.picture.as_ref().map(TextureHandle::id);
+            }
+            Picture::Card(slot, view) => {
+                if let Some(card) = &self.card {
+                    let mut renderer = card.renderer.write();
+                    let filter = wgpu::FilterMode::Linear;
+                    let id = match self.slots[*slot] {
+                        Some(id) => {
+                            renderer.update_egui_texture_from_wgpu_texture(
+                                &card.device,
+                                view,
+                                filter,
+                                id,
+                            );
+                            id
+                        }
+                        None => renderer.register_native_texture(&card.device, view, filter),
+                    };
+                    self.slots[*slot] = Some(id);
+                    self.shown = Some(id);
+                }
+            }
+        }
+        let before = self.seen.as_ref().and_then(|s| s.cell);
+        if let (Some(log), Some(cell), Some(document)) = (self.log, seen.cell, &self.document)
+            && before != Some(cell)
+        {
+            let [x, y, z] = seen.look.camera.eye.to_array();
+            let pvs = document.sees[cell.0 as usize];
+            log(&format!(
+                "eye {x:.4} {y:.4} {z:.4} cell {} pvs {pvs}",
+                cell.0
+            ));
+        }
+        self.history.push_back(Sample {
+            polygons: seen.figures.painted as f64,
+            milliseconds: seen.milliseconds.iter().sum(),
+        });
+        while self.history.len() > HISTORY {
+            self.history.pop_front();
+        }
+        self.seen = Some(seen);
+    }
+
+    /// Looks whether the file has changed.
+    fn watch(&mut self) {
+        if self.watched.0.elapsed() < WATCH {
+            return;
+        }
+        self.watched.0 = Instant::now();
+        let Some(document) = &self.document else {
+            return;
+        };
+        let now = modified(&document.path);
+        if now.is_some() && now != self.watched.1 && self.loading.is_none() {
+            self.reload();
+        }
+        self.context.request_repaint_after(WATCH);
+    }
+
+    /// Moves the eye as the keys say.
+    fn steer(&mut self, ui: &Ui, seconds: f64) {
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
+        let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
+        let input = Input {
+            forward: axis(&[Key::W, Key::ArrowUp], &[Key::S, Key::ArrowDown]),
+            right: axis(&[Key::D], &[Key::A]),
+            up: axis(&[Key::E, Key::Space], &[Key::Q]),
+            turn: axis(&[Key::ArrowLeft], &[Key::ArrowRight]),
+            tilt: axis(&[Key::PageUp], &[Key::PageDown]),
+            run: ui.input(|i| i.modifiers.shift),
+            look: std::mem::take(&mut self.look),
+        };
+        if input.is_idle() && !self.eye.moves() {
+            return;
+        }
+        self.play = None;
+        self.eye.step(&input, seconds, &document.site());
+        self.context.request_repaint();
+    }
+
+    /// Keys that do something once.
+    fn keys(&mut self, ui: &Ui) {
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
+        for (key, view) in [
+            (Key::Num1, View::Painted),
+            (Key::Num2, View::Traced),
+            (Key::Num3, View::Both),
+        ] {
+            if pressed(key) {
+                self.settings.view = view;
+            }
+        }
+        if pressed(Key::M) {
+            self.settings.plan = !self.settings.plan;
+        }
+        if pressed(Key::F) {
+            self.eye.mode = match self.eye.mode {
+                Mode::Walk => Mode::Fly,
+                Mode::Fly => Mode::Walk,
+            };
+        }
+        if pressed(Key::P) {
+            self.freeze();
+        }
+        if pressed(Key::H) {
+            self.settings.heat = !self.settings.heat;
+        }
+        if pressed(Key::T) {
+            self.settings.textured = !self.settings.textured;
+        }
+        if pressed(Key::F1) {
+            self.settings.help = !self.settings.help;
+        }
+        if pressed(Key::F3) {
+            self.settings.debug = !self.settings.debug;
+        }
+        if pressed(Key::F5) {
+            self.reload();
+        }
+        if pressed(Key::Escape) {
+            (self.source, self.second, self.explained) = (None, None, None);
+            (self.mark, self.error) = (None, None);
+            self.settings.help = false;
+        }
+    }
+
+    /// Keeps drawing what the eye sees now, wherever it flies; or lets it go.
+    pub fn freeze(&mut self) {
+        self.frozen = match self.frozen {
+            None => Some(self.camera()),
+            Some(_) => None,
+        };
+    }
+
+    /// The 3D view, in all the room there is.
+    fn view(&mut self, ui: &mut Ui) {
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Image, true, "View into the level")
+        });
+        let rect = response.rect;
+        let scale = ui.ctx().pixels_per_point();
+        let pixels = rect.size() * scale;
+        let shrink = (PIXELS / pixels.max_elem()).min(1.0);
+        self.size = [pixels.x, pixels.y].map(|n| ((n * shrink) as u32).max(1));
+        if response.dragged() {
+            // What is under the pointer stays there, about.
+            let turn = self.settings.fov.to_radians() / f64::from(rect.width().max(1.0));
+            let d = response.drag_delta();
+            self.look += DVec2::new(f64::from(d.x), f64::from(d.y)) * turn;
+            self.context.request_repaint();
+        }
+        painter.rect_filled(rect, 0.0, Color32::BLACK);
+        let part = |from: f32, to: f32| {
+            let uv = egui::Rect::from_min_max(egui::pos2(from, 0.0), egui::pos2(to, 1.0));
+            let at = |share: f32| rect.left() + share * rect.width();
+            let room = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
+            (room, uv)
+        };
+        // With both, the left half of the one picture and the right half of the other.
+        let split = match self.settings.view {
+            View::Painted => 1.0,
+            View::Traced => 0.0,
+            View::Both => 0.5,
+        };
+        if let Some(id) = self.shown
+            && split > 0.0
+        {
+            let (room, uv) = part(0.0, split);
+            painter.image(id, room, uv, Color32::WHITE);
+        }
+        if let Some((texture, traced)) = &self.traced
+            && split < 1.0
+        {
+            let (room, uv) = part(split, 1.0);
+            painter.image(texture.id(), room, uv, Color32::WHITE);
+            let text = if traced.done {
+                format!("traced: {} samples", traced.samples)
+            } else {
+                format!(
+                    "tracing: every {} pixels, {} samples",
+                    traced.coarse, traced.samples
+                )
+            };
+            let font = egui::FontId::proportional(13.0);
+            let at = rect.right_bottom() - egui::vec2(10.0, 8.0);
+            painter.text(at, egui::Align2::RIGHT_BOTTOM, text, font, Color32::WHITE);
+        }
+        if self.settings.view == View::Both {
+            let middle = rect.center().x;
+            let line = egui::Stroke::new(2.0, Color32::WHITE);
+            painter.vline(middle, rect.y_range(), line);
+        }
+        if self.frozen.is_some() {
+            let font = egui::FontId::proportional(14.0);
+            let at = rect.center_top() + egui::vec2(0.0, 10.0);
+            let text = "frozen: what is drawn was chosen where you pressed P";
+            painter.text(at, egui::Align2::CENTER_TOP, text, font, Color32::YELLOW);
+        }
+    }
+
+    /// Asks what the eye sees, if that has changed.
+    fn ask(&mut self) {
+        let Some(engine) = &self.engine else { return };
+        let look = Look {
+            camera: self.camera(),
+            chosen_by: self.frozen,
+            culling: self.settings.culling,
+            textured: self.settings.textured,
+        };
+        if self.size[0] > 0 && self.asked != Some(look) {
+            engine.look(look);
+            self.asked = Some(look);
+        }
+    }
+
+    /// Asks for a traced picture, if what it shows has changed.
+    fn trace(&mut self) {
+        if self.settings.view == View::Painted {
+            if self.requested.take().is_some() {
+                self.tracing.iter().for_each(Tracing::stop);
+            }
+            return;
+        }
+        let (Some(document), Some(seen)) = (&self.document, &self.seen) else {
+            return;
+        };
+        let camera = self.camera();
+        // First the eye's cell has to be known, and with it what matters there.
+        let Some(survey) = seen.survey.as_ref().filter(|_| seen.look.camera == camera) else {
+            return;
+        };
+        if self.requested == Some(camera) {
+            return;
+        }
+        if self.tracing.is_none() {
+            let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+            let context = self.context.clone();
+            let wake = move || context.request_repaint();
+            self.tracing = Tracing::start(threads.saturating_sub(1).max(1), wake).ok();
+        }
+        let Some(tracing) = &self.tracing else { return };
+        let settings = &self.settings;
+        let usual = RenderOptions::default();
+        let effects = survey.needed.iter().filter(|e| !settings.without.has(*e));
+        let options = RenderOptions {
+            samples: settings.samples,
+            effects: effects.collect(),
+            limits: Limits {
+                depth: settings.depth,
+                light_samples: settings.rays,
+                scatter_samples: settings.rays,
+                ..usual.limits
+            },
+            ..usual
+        };
+        let exposure = if document.world.wardrobe.is_some() {
+            Exposure::Stops(1.5)
+        } else {
+            Exposure::Auto
+        };
+        tracing.request(Request {
+            stage: document.clone(),
+            camera,
+            options,
+            exposure,
+        });
+        self.requested = Some(camera);
+    }
+
+    /// Traces once more, as something else than the place has changed.
+    pub fn trace_again(&mut self) {
+        self.requested = None;
+    }
+
+    /// The plan, in all the room there is.
+    fn plan(&mut self, ui: &mut Ui) {
+        let Some(document) = self.document.clone() else {
+            // So that the room is not given away meanwhile.
+            ui.take_available_space();
+            return;
+        };
+        let seen = self.seen.as_ref();
+        let explained = self
+            .explained
+            .as_ref()
+            .filter(|e| Some(e.cells[0]) == self.source && Some(e.cells[1]) == self.second);
+        let half = (self.settings.fov / 2.0).to_radians();
+        let scene = PlanScene {
+            document: &document,
+            eye: (
+                self.eye.eye.truncate(),
+                DVec2::from_angle(self.eye.yaw),
+                half,
+            ),
+            cell: seen.and_then(|s| s.cell),
+            cells: seen.map_or(&[], |s| &s.cells),
+            area: seen.map_or(&[], |s| &s.area),
+            source: self.source,
+            second: self.second,
+            sightline: explained.and_then(|e| e.line),
+            way: explained.map_or(&[], |e| &e.way),
+            path: self.play.as_ref().map_or(&[], |p| &p.line),
+            heat: self.settings.heat,
+            mark: self.mark,
+        };
+        match self.plan.show(ui, &scene) {
+            Some(PlanEvent::Jump(at)) => {
+                self.source = None;
+                self.jump(at);
+            }
+            Some(PlanEvent::Source(cell)) => {
+                (self.source, self.second, self.explained) = (Some(cell), None, None);
+            }
+            Some(PlanEvent::Second(cell)) => {
+                self.source = self.source.or(self.seen.as_ref().and_then(|s| s.cell));
+                self.second = Some(cell);
+                self.ask_why();
+            }
+            Some(PlanEvent::Clear) => {
+                (self.source, self.second, self.explained) = (None, None, None);
+            }
+            None => {}
+        }
+    }
+
+    /// Files that were dropped on the window.
+    fn dropped(&mut self, ui: &Ui) {
+        let files = ui.input(|i| i.raw.dropped_files.clone());
+        if let Some(path) = files.into_iter().map(|f| f.path().to_path_buf()).next() {
+            self.open(path, None);
+        }
+    }
+
+    /// Goes on along a path.
+    fn walk_on(&mut self, seconds: f64) {
+        let Some(play) = &mut self.play else { return };
+        if play.running {
+            play.at += seconds;
+            if play.at > play.track.seconds() {
+                play.at = 0.0;
+            }
+            self.context.request_repaint();
+        }
+        let pose = play.track.at(play.at);
+        self.eye = Walker::new(pose.eye, pose.direction, self.eye.mode);
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        let start = Instant::now();
+        let seconds = self.last.elapsed().as_secs_f64().min(0.1);
+        self.last = start;
+        self.fetch();
+        self.watch();
+        self.dropped(ui);
+        self.keys(ui);
+        self.steer(ui, seconds);
+        self.walk_on(seconds);
+        egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
+        egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        egui::Panel::left("panels")
+            .default_size(300.0)
+            .show(ui, |ui| self.side(ui));
+        if self.settings.plan {
+            egui::Panel::right("plan")
+                .default_size(520.0)
+                .frame(egui::Frame::NONE)
+                .show(ui, |ui| self.plan(ui));
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| self.view(ui));
+        self.windows(ui);
+        self.ask();
+        self.trace();
+        let took = start.elapsed().as_secs_f64() * 1e3;
+        self.thread = [self.thread[0].max(took), took];
+    }
+}
+
+fn modified(path: &std::path::Path) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|m| m.modified()).ok()
+}

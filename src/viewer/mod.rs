@@ -1,0 +1,80 @@
+//! The interactive viewer: a window in which one walks through a level, and sees what is visible from
+//! where, why, and what it costs.
+//!
+//! In: a level file and a way to read it ([`Loader`]). Out: a window, until somebody closes it. Everything
+//! that takes time happens beside the window's thread: reading and computing a level ([`app`]), what an
+//! eye sees ([`engine`]).
+//!
+//! | file | what |
+//! |---|---|
+//! | [`document`] | a level with all that there is to show of it; never changed, only replaced |
+//! | [`engine`] | a thread that answers what an eye sees, and why cells see each other |
+//! | [`plan`] | the plan: to look at and to click on |
+//! | [`app`] | the window: menus, movement, the 3D view |
+//! | [`walker`] | movement: on the ground with its walls and steps, or flying |
+//! | [`scene`] | the picture in space by the graphics card, in the order of the BSP |
+//! | [`gpu`] | a device without a window, for pictures in files and for tests |
+//! | [`tracing`] | the ray tracer beside the window's thread, coarse at once and finer as one waits |
+//! | [`panels`] | statistics, effects, accuracy, findings, help |
+
+pub mod app;
+pub mod document;
+pub mod engine;
+pub mod gpu;
+pub mod panels;
+pub mod plan;
+#[cfg(test)]
+mod sample;
+pub mod scene;
+#[cfg(all(test, feature = "viewer-tests"))]
+mod tests;
+pub mod tracing;
+pub mod walker;
+
+use std::path::PathBuf;
+
+use eframe::egui;
+use thiserror::Error;
+
+pub use app::App;
+pub use document::{Document, Loaded, Loader};
+
+/// Why there is no window.
+#[derive(Debug, Error)]
+pub enum ViewerError {
+    /// Neither a screen nor a graphics adapter.
+    #[error(
+        "cannot open a window: {0}; on Linux a screen (X11 or Wayland) and Vulkan are needed; without a \
+         graphics card install Mesa's software driver (apt-get install mesa-vulkan-drivers)"
+    )]
+    Window(String),
+}
+
+/// Opens a window on a level, and returns when it is closed. `log` is told whenever the eye comes into
+/// another cell: `eye X Y Z cell N pvs N`.
+pub fn run(
+    level: Option<(PathBuf, Option<String>)>,
+    loader: Loader,
+    log: Option<fn(&str)>,
+) -> Result<(), ViewerError> {
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("enfilade")
+            .with_inner_size([1440.0, 900.0])
+            .with_drag_and_drop(true),
+        ..eframe::NativeOptions::default()
+    };
+    let start = move |context: &eframe::CreationContext<'_>| -> Result<
+        Box<dyn eframe::App>,
+        Box<dyn std::error::Error + Send + Sync>,
+    > {
+        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), loader);
+        app.log = log;
+        if let Some((path, map)) = level {
+            app.open(path, map);
+        }
+        Ok(Box::new(app))
+    };
+    eframe::run_native("enfilade", options, Box::new(start))
+        .map_err(|e| ViewerError::Window(e.to_string()))
+}

@@ -1,0 +1,459 @@
+//! What stands around the view and the plan: menus, status, statistics, effects, findings, help.
+
+use eframe::egui;
+use egui::{Color32, RichText, Ui};
+use egui_plot::{Legend, Line, Plot, PlotPoints};
+
+use super::app::{App, Tab, View};
+use super::walker::Mode;
+use crate::level::wording::grouped;
+use crate::level::{Finding, Place, Severity};
+use crate::preview::Culling;
+
+/// The keys, and what they do.
+const KEYS: [(&str, &str); 16] = [
+    ("W A S D", "walk; arrow keys too, left and right turn"),
+    ("drag in the view", "look around"),
+    ("Shift", "run"),
+    ("F", "fly through walls, or walk"),
+    ("Q E", "down and up, flying"),
+    ("M", "plan on and off"),
+    ("H", "plan coloured by the number of cells seen"),
+    ("P", "freeze what is drawn, and fly out to look at it"),
+    ("1 2 3", "painted, traced, or both side by side"),
+    ("T", "pictures on the walls, or plain colours"),
+    ("click in the plan", "this cell's PVS"),
+    (
+        "Shift-click in the plan",
+        "why the first cell sees this one, or not",
+    ),
+    ("double-click in the plan", "go there"),
+    ("Esc", "nothing chosen"),
+    ("F3", "times of the window itself"),
+    ("F5", "read the file again"),
+];
+
+impl App {
+    /// The menus.
+    pub(super) fn menu(&mut self, ui: &mut Ui) {
+        egui::MenuBar::new().ui(ui, |ui| {
+            ui.menu_button("File", |ui| {
+                if ui.button("Open…").clicked() {
+                    self.typed = Some(String::new());
+                }
+                if ui.button("Read again (F5)").clicked() {
+                    self.reload();
+                }
+                if ui.button("Quit").clicked() {
+                    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                }
+            });
+            ui.menu_button("View", |ui| {
+                let s = &mut self.settings;
+                ui.radio_value(&mut s.view, View::Painted, "Painted polygons (1)");
+                ui.radio_value(&mut s.view, View::Traced, "Traced rays (2)");
+                ui.radio_value(&mut s.view, View::Both, "Both, side by side (3)");
+                ui.separator();
+                ui.checkbox(&mut s.plan, "Plan (M)");
+                ui.checkbox(&mut s.heat, "Cells seen, in colours (H)");
+                ui.checkbox(&mut s.textured, "Pictures on walls (T)");
+                ui.checkbox(&mut self.plan.follow, "Plan follows the eye");
+                if ui.button("Whole plan").clicked() {
+                    self.plan.show_all();
+                }
+                let mut frozen = self.frozen.is_some();
+                if ui
+                    .checkbox(&mut frozen, "Freeze what is drawn (P)")
+                    .changed()
+                {
+                    self.freeze();
+                }
+                ui.checkbox(&mut self.settings.debug, "Times of the window (F3)");
+                ui.separator();
+                ui.add(
+                    egui::Slider::new(&mut self.settings.fov, 30.0..=120.0).text("angle of view"),
+                );
+            });
+            ui.menu_button("Go", |ui| self.go_menu(ui));
+            ui.menu_button("Help", |ui| {
+                if ui.button("Keys (F1)").clicked() {
+                    self.settings.help = true;
+                }
+            });
+            if let Some(name) = self.busy() {
+                ui.spinner();
+                ui.label(format!("reading {name}"));
+            }
+        });
+    }
+
+    fn go_menu(&mut self, ui: &mut Ui) {
+        let mut fly = self.eye.mode == Mode::Fly;
+        if ui.checkbox(&mut fly, "Fly (F)").changed() {
+            self.eye.mode = if fly { Mode::Fly } else { Mode::Walk };
+        }
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        if !document.level.scene.cameras.is_empty() {
+            ui.menu_button("Camera", |ui| {
+                for camera in &document.level.scene.cameras {
+                    if ui.button(&camera.name).clicked() {
+                        self.look_from(camera);
+                    }
+                }
+            });
+        }
+        for path in &document.level.scene.paths {
+            if ui.button(format!("Path: {}", path.name)).clicked() {
+                self.play(Some(&path.name));
+            }
+        }
+        if ui.button("A tour of all that can be reached").clicked() {
+            self.play(None);
+        }
+    }
+
+    /// The line at the bottom.
+    pub(super) fn status(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            if let Some(play) = &mut self.play {
+                let name = if play.running { "Pause" } else { "Go on" };
+                if ui.button(name).clicked() {
+                    play.running = !play.running;
+                }
+                let seconds = play.track.seconds();
+                ui.add(egui::Slider::new(&mut play.at, 0.0..=seconds).text(&play.name));
+                ui.separator();
+            }
+            let (Some(document), Some(seen)) = (&self.document, &self.seen) else {
+                ui.label("drop a level file here, or open one in the menu");
+                return;
+            };
+            let p = self.eye.eye;
+            ui.label(match seen.cell {
+                Some(cell) => format!(
+                    "cell {} · {} · PVS {} of {} cells · in view {}",
+                    cell.0,
+                    document.sector(cell),
+                    document.sees[cell.0 as usize],
+                    document.graph.cells.len(),
+                    seen.cells.len()
+                ),
+                None => "outside of the level".to_string(),
+            });
+            ui.separator();
+            ui.label(format!("{:.2}, {:.2}, {:.2}", p.x, p.y, p.z));
+            ui.separator();
+            let ms: f64 = seen.milliseconds.iter().sum();
+            ui.label(format!("{} polygons · {ms:.1} ms", seen.figures.painted));
+        });
+    }
+
+    /// The side panel.
+    pub(super) fn side(&mut self, ui: &mut Ui) {
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for (tab, name) in [
+                (Tab::Statistics, "Statistics"),
+                (Tab::Effects, "Effects"),
+                (Tab::Accuracy, "Accuracy"),
+                (Tab::Why, "Why"),
+                (Tab::Findings, "Findings"),
+            ] {
+                ui.selectable_value(&mut self.tab, tab, name);
+            }
+        });
+        ui.separator();
+        egui::ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| match self.tab {
+                Tab::Statistics => self.statistics(ui),
+                Tab::Effects => self.effects(ui),
+                Tab::Accuracy => self.accuracy(ui),
+                Tab::Why => self.why(ui),
+                Tab::Findings => self.findings(ui),
+            });
+    }
+
+    fn statistics(&mut self, ui: &mut Ui) {
+        let Some(document) = &self.document else {
+            return;
+        };
+        let level = &document.level;
+        ui.heading(&level.name);
+        let row = |ui: &mut Ui, name: &str, value: String| {
+            ui.label(RichText::new(name).weak());
+            ui.label(value);
+            ui.end_row();
+        };
+        egui::Grid::new("level").num_columns(2).show(ui, |ui| {
+            row(ui, "cells", grouped(document.graph.cells.len() as u64));
+            row(ui, "portals", grouped(document.graph.portals.len() as u64));
+            row(ui, "walls", grouped(level.walls.len() as u64));
+            row(
+                ui,
+                "cutting",
+                format!("{:.1} ms", document.stages.subdivide),
+            );
+            row(
+                ui,
+                "visibility",
+                format!("{:.1} ms", document.stages.visibility),
+            );
+        });
+        ui.add_space(8.0);
+        ui.label(RichText::new("What is drawn").strong());
+        for (culling, name) in [
+            (Culling::None, "everything"),
+            (Culling::Pvs, "the PVS of the eye's cell"),
+            (Culling::Eye, "what the eye sees"),
+        ] {
+            let k = Culling::ALL.iter().position(|c| *c == culling).unwrap_or(0);
+            let cost = self.seen.as_ref().map(|s| s.polygons[k]).unwrap_or(0);
+            let text = format!("{name}: {} polygons", grouped(cost));
+            ui.radio_value(&mut self.settings.culling, culling, text);
+        }
+        if let Some(seen) = &self.seen {
+            ui.add_space(8.0);
+            egui::Grid::new("frame").num_columns(2).show(ui, |ui| {
+                let [found, painted] = seen.milliseconds;
+                row(ui, "painted", grouped(seen.figures.painted));
+                row(ui, "of all polygons", grouped(seen.figures.all));
+                row(ui, "overdraw", format!("{:.2}", seen.figures.overdraw()));
+                row(ui, "to find out", format!("{found:.2} ms"));
+                row(ui, "to paint", format!("{painted:.2} ms"));
+            });
+        }
+        ui.add_space(8.0);
+        let points = |value: fn(&super::app::Sample) -> f64| -> PlotPoints<'_> {
+            let all = self.history.iter().enumerate();
+            all.map(|(i, s)| [i as f64, value(s)]).collect()
+        };
+        for (name, value) in [
+            (
+                "milliseconds",
+                (|s| s.milliseconds) as fn(&super::app::Sample) -> f64,
+            ),
+            ("polygons", |s| s.polygons),
+        ] {
+            Plot::new(name)
+                .height(110.0)
+                .legend(Legend::default())
+                .include_y(0.0)
+                .show_axes([false, true])
+                .allow_drag(false)
+                .allow_zoom(false)
+                .allow_scroll(false)
+                .show(ui, |plot| plot.line(Line::new(name, points(value))));
+        }
+        if self.settings.debug {
+            let [most, last] = self.thread;
+            ui.label(RichText::new("The window's own thread").strong());
+            ui.label(format!("last frame {last:.2} ms, longest {most:.2} ms"));
+            if ui.button("from now on").clicked() {
+                self.thread = [0.0; 2];
+            }
+        }
+    }
+
+    fn effects(&mut self, ui: &mut Ui) {
+        let survey = self.seen.as_ref().and_then(|s| s.survey.clone());
+        let Some(survey) = survey else {
+            ui.label("the eye is outside of the level");
+            return;
+        };
+        ui.label("What a traced picture from this cell calls for, and why:");
+        ui.add_space(6.0);
+        for verdict in &survey.verdicts {
+            let (sign, colour) = if verdict.needed {
+                ("on", Color32::from_rgb(110, 220, 130))
+            } else {
+                ("off", Color32::GRAY)
+            };
+            ui.horizontal(|ui| {
+                let mut on = verdict.needed && !self.settings.without.has(verdict.effect);
+                let name = RichText::new(verdict.effect.as_str()).strong();
+                if ui
+                    .add_enabled(verdict.needed, egui::Checkbox::new(&mut on, name))
+                    .changed()
+                {
+                    let without = self.settings.without;
+                    self.settings.without = if on {
+                        without.without(verdict.effect)
+                    } else {
+                        without.with(verdict.effect)
+                    };
+                    self.trace_again();
+                }
+                ui.label(RichText::new(sign).color(colour).strong());
+            });
+            ui.label(RichText::new(&verdict.reason).weak());
+            ui.add_space(6.0);
+        }
+    }
+
+    fn accuracy(&mut self, ui: &mut Ui) {
+        ui.label("What a traced picture (2, 3) costs as you turn these:");
+        let s = &mut self.settings;
+        let mut changed = false;
+        for (value, range, name) in [
+            (&mut s.samples, 1..=64, "samples in a pixel"),
+            (&mut s.depth, 0..=16, "reflections in a row"),
+            (&mut s.rays, 1..=64, "rays to lights and into cones"),
+        ] {
+            changed |= ui.add(egui::Slider::new(value, range).text(name)).changed();
+        }
+        if changed {
+            self.trace_again();
+        }
+        ui.add_space(8.0);
+        if let Some((_, traced)) = &self.traced {
+            egui::Grid::new("traced").num_columns(2).show(ui, |ui| {
+                let mut row = |name: &str, value: String| {
+                    ui.label(RichText::new(name).weak());
+                    ui.label(value);
+                    ui.end_row();
+                };
+                row("picture", format!("{:.0} ms", traced.milliseconds));
+                row("rays", grouped(traced.rays));
+                row("since the eye rests", format!("{:.0} ms", traced.since));
+                row("samples", traced.samples.to_string());
+            });
+        } else {
+            ui.label(RichText::new("no picture is traced now").weak());
+        }
+    }
+
+    fn why(&mut self, ui: &mut Ui) {
+        if ui
+            .checkbox(&mut self.settings.heights, "floors and ceilings count")
+            .changed()
+        {
+            self.ask_why();
+        }
+        ui.separator();
+        match &self.explained {
+            None => {
+                ui.label(
+                    "Click a cell in the plan, then another one with Shift: here stands why the one \
+                     sees the other, or what is in the way.",
+                );
+            }
+            Some(explained) => {
+                let [a, b] = explained.cells.map(|c| c.0);
+                let (verb, colour) = if explained.sees {
+                    ("sees", Color32::from_rgb(110, 220, 130))
+                } else {
+                    ("does not see", Color32::from_rgb(230, 120, 130))
+                };
+                ui.label(
+                    RichText::new(format!("Cell {a} {verb} cell {b}"))
+                        .color(colour)
+                        .strong(),
+                );
+                ui.label(RichText::new(format!("{:.1} ms", explained.milliseconds)).weak());
+                ui.add_space(6.0);
+                ui.label(RichText::new(&explained.text).monospace().size(11.5));
+            }
+        }
+    }
+
+    fn findings(&mut self, ui: &mut Ui) {
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        if document.findings.is_empty() {
+            ui.label("Nothing was found to be wrong.");
+        }
+        for finding in &document.findings {
+            self.finding(ui, finding);
+        }
+    }
+
+    fn finding(&mut self, ui: &mut Ui, finding: &Finding) {
+        const SHOWN: usize = 8;
+        let colour = match finding.severity {
+            Severity::Note => Color32::LIGHT_BLUE,
+            Severity::Warning => Color32::from_rgb(236, 190, 90),
+            Severity::Repaired => Color32::from_rgb(236, 140, 90),
+        };
+        ui.label(RichText::new(finding.code).color(colour).strong());
+        ui.label(&finding.message);
+        ui.horizontal_wrapped(|ui| {
+            for place in finding.places.iter().take(SHOWN) {
+                let text = place.to_string();
+                if let Place::Point { x, y } = *place {
+                    if ui.link(text).clicked() {
+                        self.mark = Some(glam::DVec2::new(x, y));
+                        self.jump(glam::DVec2::new(x, y));
+                    }
+                } else {
+                    ui.label(text);
+                }
+            }
+            let more = finding.places.len().saturating_sub(SHOWN);
+            if more > 0 {
+                ui.label(format!("and {more} more"));
+            }
+        });
+        ui.add_space(8.0);
+    }
+
+    /// Windows that lie over everything.
+    pub(super) fn windows(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        let mut open = self.settings.help;
+        egui::Window::new("Keys")
+            .open(&mut open)
+            .resizable(false)
+            .show(&context, |ui| {
+                egui::Grid::new("keys")
+                    .num_columns(2)
+                    .striped(true)
+                    .show(ui, |ui| {
+                        for (key, what) in KEYS {
+                            ui.label(RichText::new(key).strong());
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
+            });
+        self.settings.help = open;
+        if let Some(error) = self.error.clone() {
+            let mut open = true;
+            egui::Window::new("This does not work")
+                .open(&mut open)
+                .show(&context, |ui| {
+                    ui.label(error);
+                    if self.document.is_some() {
+                        ui.label(RichText::new("What was open stays open.").weak());
+                    }
+                    if ui.button("Close").clicked() {
+                        self.error = None;
+                    }
+                });
+            if !open {
+                self.error = None;
+            }
+        }
+        if let Some(mut typed) = self.typed.take() {
+            let (mut open, mut go) = (true, false);
+            egui::Window::new("Open a level").open(&mut open).show(&context, |ui| {
+                ui.label("Path of a .toml or .wad file; or drop it on the window. After a # the map of a WAD.");
+                let field = ui.text_edit_singleline(&mut typed);
+                field.request_focus();
+                go = ui.button("Open").clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter));
+            });
+            if go {
+                let (path, map) = match typed.rsplit_once('#') {
+                    Some((path, map)) => (path, Some(map.to_string())),
+                    None => (&typed[..], None),
+                };
+                self.open(path.into(), map);
+            } else if open {
+                self.typed = Some(typed);
+            }
+        }
+    }
+}

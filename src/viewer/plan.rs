@@ -1,0 +1,332 @@
+//! The plan: cells, what the eye sees of them, sightlines; to look at, and to click on.
+//!
+//! x to the right, y up, as in the level. Drag with the right or middle button to move, turn the wheel
+//! to zoom; a click makes a cell the source, a click with shift asks why the source sees it, a double
+//! click sends the eye there.
+
+use eframe::egui;
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
+use glam::DVec2;
+
+use super::document::{Document, Line};
+use crate::cells::CellId;
+
+/// Which part of the plan is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanView {
+    /// In the middle.
+    middle: DVec2,
+    /// Points of the screen to a unit of the level; 0 before the first frame, which shows all.
+    scale: f64,
+    /// Whether the eye stays in the middle.
+    pub follow: bool,
+}
+
+impl Default for PlanView {
+    fn default() -> Self {
+        Self {
+            middle: DVec2::ZERO,
+            scale: 0.0,
+            follow: false,
+        }
+    }
+}
+
+/// What there is to show.
+pub struct PlanScene<'a> {
+    /// The level.
+    pub document: &'a Document,
+    /// Eye and view on the plan, and half of the angle of view in radians.
+    pub eye: (DVec2, DVec2, f64),
+    /// The eye's cell.
+    pub cell: Option<CellId>,
+    /// The cells within the eye's cone.
+    pub cells: &'a [CellId],
+    /// The area that it sees.
+    pub area: &'a [Vec<DVec2>],
+    /// A cell that was chosen, whose PVS is shown instead of that of the eye's cell.
+    pub source: Option<CellId>,
+    /// A second one.
+    pub second: Option<CellId>,
+    /// A sightline between the two.
+    pub sightline: Option<[DVec2; 2]>,
+    /// The shortest way between the two, if they do not see each other.
+    pub way: &'a [DVec2],
+    /// A path that is walked.
+    pub path: &'a [DVec2],
+    /// Colours by the size of the cells' PVS.
+    pub heat: bool,
+    /// A place to point at.
+    pub mark: Option<DVec2>,
+}
+
+/// What somebody wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanEvent {
+    /// The eye there.
+    Jump(DVec2),
+    /// This cell as the source.
+    Source(CellId),
+    /// To know why the source sees this cell.
+    Second(CellId),
+    /// Neither source nor second.
+    Clear,
+}
+
+const BACK: Color32 = Color32::from_rgb(18, 21, 26);
+const FLOOR: Color32 = Color32::from_rgb(44, 50, 59);
+const SEEN: Color32 = Color32::from_rgb(38, 76, 116);
+const CONE: Color32 = Color32::from_rgb(60, 118, 168);
+const OWN: Color32 = Color32::from_rgb(92, 160, 220);
+const SOURCE: Color32 = Color32::from_rgb(232, 150, 62);
+const SECOND: Color32 = Color32::from_rgb(214, 96, 128);
+const AREA: Color32 = Color32::from_rgba_premultiplied(72, 60, 16, 60);
+const LIGHT: Color32 = Color32::from_rgb(245, 222, 140);
+const SIGHT: Color32 = Color32::from_rgb(96, 226, 130);
+
+impl PlanView {
+    /// Shows everything.
+    pub fn show_all(&mut self) {
+        self.scale = 0.0;
+    }
+
+    fn fit(&mut self, [low, high]: [DVec2; 2], rect: Rect) {
+        let size = (high - low).max(DVec2::splat(1e-9));
+        self.middle = (low + high) / 2.0;
+        let room = DVec2::new(f64::from(rect.width()), f64::from(rect.height())) * 0.92;
+        self.scale = (room / size).min_element().max(1e-9);
+    }
+
+    fn to_screen(self, rect: Rect, p: DVec2) -> Pos2 {
+        let d = (p - self.middle) * self.scale;
+        rect.center() + Vec2::new(d.x as f32, -d.y as f32)
+    }
+
+    fn to_plan(self, rect: Rect, p: Pos2) -> DVec2 {
+        let d = p - rect.center();
+        self.middle + DVec2::new(f64::from(d.x), -f64::from(d.y)) / self.scale
+    }
+
+    /// Draws the plan into all of the room there is. Returns what somebody wants.
+    pub fn show(&mut self, ui: &mut Ui, scene: &PlanScene) -> Option<PlanEvent> {
+        let document = scene.document;
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Plan of the level")
+        });
+        let rect = response.rect;
+        if self.scale <= 0.0 {
+            self.fit(document.plan.bounds, rect);
+        }
+        if self.follow {
+            self.middle = scene.eye.0;
+        }
+        self.steer(ui, &response);
+        painter.rect_filled(rect, 0.0, BACK);
+        let place = |p: DVec2| self.to_screen(rect, p);
+        self.cells(scene, rect, &painter);
+        for piece in scene.area {
+            let outline: Vec<Pos2> = piece.iter().map(|p| place(*p)).collect();
+            painter.add(Shape::convex_polygon(outline, AREA, Stroke::NONE));
+        }
+        for (line, ends) in &document.plan.lines {
+            let ends = ends.map(place);
+            if !rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
+                continue;
+            }
+            painter.line_segment(ends, stroke(*line));
+        }
+        let walked: Vec<Pos2> = scene.path.iter().map(|p| place(*p)).collect();
+        painter.add(Shape::line(
+            walked,
+            Stroke::new(1.5, Color32::from_rgb(150, 120, 230)),
+        ));
+        let way: Vec<Pos2> = scene.way.iter().map(|p| place(*p)).collect();
+        painter.add(Shape::dashed_line(&way, Stroke::new(1.5, SECOND), 6.0, 4.0));
+        if let Some(ends) = scene.sightline {
+            painter.line_segment(ends.map(place), Stroke::new(2.5, SIGHT));
+        }
+        if let Some(at) = scene.mark {
+            painter.circle_stroke(place(at), 9.0, Stroke::new(2.0, Color32::RED));
+        }
+        eye(&painter, place(scene.eye.0), scene.eye.1, scene.eye.2);
+        let at = response.hover_pos().map(|p| self.to_plan(rect, p));
+        let cell = at.and_then(|at| document.cell_at(at));
+        if let (Some(at), Some(cell)) = (at, cell) {
+            self.outline(&painter, rect, document, cell, Color32::WHITE);
+            let text = format!(
+                "cell {}, {}\nsees {} of {} cells\n{:.2}, {:.2}",
+                cell.0,
+                document.sector(cell),
+                document.sees[cell.0 as usize],
+                document.graph.cells.len(),
+                at.x,
+                at.y
+            );
+            label(&painter, rect, text);
+        }
+        if scene.heat {
+            legend(&painter, rect, document);
+        }
+        let shift = ui.input(|i| i.modifiers.shift);
+        match (cell, at) {
+            (_, Some(at)) if response.double_clicked() => Some(PlanEvent::Jump(at)),
+            (Some(cell), _) if response.clicked() && shift => Some(PlanEvent::Second(cell)),
+            (Some(cell), _) if response.clicked() => Some(PlanEvent::Source(cell)),
+            (None, _) if response.clicked() => Some(PlanEvent::Clear),
+            _ => None,
+        }
+    }
+
+    /// Moves and zooms.
+    fn steer(&mut self, ui: &Ui, response: &egui::Response) {
+        let rect = response.rect;
+        if response.dragged() {
+            let d = response.drag_delta();
+            self.middle -= DVec2::new(f64::from(d.x), -f64::from(d.y)) / self.scale;
+            self.follow = false;
+        }
+        let Some(pointer) = response.hover_pos() else {
+            return;
+        };
+        let turned = ui.input(|i| i.smooth_scroll_delta().y);
+        let pinched = ui.input(|i| i.zoom_delta());
+        let factor = f64::from(pinched) * (f64::from(turned) * 0.005).exp();
+        if factor != 1.0 {
+            // What is under the pointer stays there.
+            let before = self.to_plan(rect, pointer);
+            self.scale *= factor;
+            self.middle += before - self.to_plan(rect, pointer);
+        }
+    }
+
+    fn cells(&self, scene: &PlanScene, rect: Rect, painter: &egui::Painter) {
+        let document = scene.document;
+        let n = document.graph.cells.len();
+        let mut colours = vec![FLOOR; n];
+        if scene.heat {
+            let most = document.sees.iter().copied().max().unwrap_or(1);
+            for (colour, sees) in colours.iter_mut().zip(&document.sees) {
+                *colour = heat(f64::from(*sees) / f64::from(most.max(1)));
+            }
+        } else if let Some(source) = scene.source.or(scene.cell) {
+            for seen in document.pvs.seen_from(source) {
+                colours[seen.0 as usize] = SEEN;
+            }
+        }
+        if scene.source.is_none() && !scene.heat {
+            for cell in scene.cells {
+                colours[cell.0 as usize] = CONE;
+            }
+        }
+        let mut set = |cell: Option<CellId>, colour| {
+            if let Some(cell) = cell {
+                colours[cell.0 as usize] = colour;
+            }
+        };
+        if !scene.heat {
+            set(scene.cell, OWN);
+        }
+        set(scene.source, SOURCE);
+        set(scene.second, SECOND);
+        for (corners, colour) in document.plan.cells.iter().zip(colours) {
+            let outline: Vec<Pos2> = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
+            let bounds = Rect::from_points(&outline);
+            if rect.intersects(bounds) {
+                // A thin line of the same colour hides the seams between neighbours.
+                painter.add(Shape::convex_polygon(
+                    outline,
+                    colour,
+                    Stroke::new(0.6, colour),
+                ));
+            }
+        }
+    }
+
+    fn outline(
+        &self,
+        painter: &egui::Painter,
+        rect: Rect,
+        document: &Document,
+        cell: CellId,
+        colour: Color32,
+    ) {
+        let corners = &document.plan.cells[cell.0 as usize];
+        let outline = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
+        painter.add(Shape::closed_line(outline, Stroke::new(1.5, colour)));
+    }
+}
+
+fn stroke(line: Line) -> Stroke {
+    match line {
+        Line::Wall => Stroke::new(1.6, Color32::from_rgb(226, 230, 236)),
+        Line::Portal => Stroke::new(0.5, Color32::from_rgb(74, 82, 94)),
+        Line::Step => Stroke::new(0.8, Color32::from_rgb(120, 126, 136)),
+        Line::Door => Stroke::new(2.4, Color32::from_rgb(214, 150, 70)),
+        Line::Window => Stroke::new(2.0, Color32::from_rgb(110, 190, 220)),
+    }
+}
+
+/// From dark blue over violet and orange to yellow.
+fn heat(share: f64) -> Color32 {
+    const STOPS: [[f64; 3]; 5] = [
+        [20.0, 24.0, 82.0],
+        [96.0, 28.0, 128.0],
+        [190.0, 54.0, 96.0],
+        [242.0, 128.0, 48.0],
+        [252.0, 226.0, 110.0],
+    ];
+    let at = share.clamp(0.0, 1.0) * 4.0;
+    let i = (at as usize).min(3);
+    let mix = |k: usize| {
+        let (a, b) = (STOPS[i][k], STOPS[i + 1][k]);
+        (a + (b - a) * (at - i as f64)) as u8
+    };
+    Color32::from_rgb(mix(0), mix(1), mix(2))
+}
+
+fn eye(painter: &egui::Painter, at: Pos2, view: DVec2, half: f64) {
+    const REACH: f32 = 46.0;
+    let angle = (-view.y).atan2(view.x) as f32;
+    let ray = |turn: f64| at + Vec2::angled(angle + turn as f32) * REACH;
+    for side in [-half, half] {
+        painter.line_segment([at, ray(side)], Stroke::new(1.5, LIGHT));
+    }
+    painter.circle(at, 5.0, LIGHT, Stroke::new(1.5, Color32::BLACK));
+}
+
+fn label(painter: &egui::Painter, rect: Rect, text: String) {
+    let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
+    let at = rect.left_bottom() + Vec2::new(10.0, -galley.size().y - 10.0);
+    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
+    painter.rect(
+        back,
+        4.0,
+        Color32::from_black_alpha(190),
+        Stroke::NONE,
+        StrokeKind::Inside,
+    );
+    painter.galley(at, galley, Color32::WHITE);
+}
+
+fn legend(painter: &egui::Painter, rect: Rect, document: &Document) {
+    const SIZE: Vec2 = Vec2::new(150.0, 10.0);
+    let at = rect.right_top() + Vec2::new(-SIZE.x - 14.0, 26.0);
+    for k in 0..SIZE.x as usize {
+        let x = at.x + k as f32;
+        let colour = heat(k as f64 / f64::from(SIZE.x));
+        painter.vline(x, at.y..=at.y + SIZE.y, Stroke::new(1.2, colour));
+    }
+    let most = document.sees.iter().copied().max().unwrap_or(0);
+    let font = FontId::proportional(12.0);
+    let above = at - Vec2::new(0.0, 4.0);
+    painter.text(
+        above,
+        Align2::LEFT_BOTTOM,
+        "cells seen: 1",
+        font.clone(),
+        Color32::WHITE,
+    );
+    let right = Pos2::new(at.x + SIZE.x, above.y);
+    painter.text(right, Align2::RIGHT_BOTTOM, most, font, Color32::WHITE);
+}
