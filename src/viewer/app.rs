@@ -12,6 +12,7 @@ use egui::{Color32, ColorImage, Key, Sense, TextureHandle, TextureId, TextureOpt
 use glam::{DVec2, DVec3};
 
 use super::document::{Document, Loader};
+use super::edit::Editing;
 use super::engine::{Card, Engine, Explained, Look, Picture, Report, SLOTS, Seen};
 use super::plan::{PlanEvent, PlanScene, PlanView};
 use super::tracing::{Report as TracingReport, Request, Traced, Tracing};
@@ -121,7 +122,7 @@ pub struct App {
     /// What is open.
     pub document: Option<Arc<Document>>,
     engine: Option<Engine>,
-    context: egui::Context,
+    pub(super) context: egui::Context,
     /// The eye.
     pub eye: Walker,
     /// What is drawn.
@@ -167,6 +168,10 @@ pub struct App {
     pub thread: [f64; 2],
     last: Instant,
     size: [u32; 2],
+    /// The level's changes, while it is changed.
+    pub editing: Option<Editing>,
+    /// Where to save, as it is typed.
+    pub saving: Option<String>,
     /// Told of every new cell.
     pub log: Option<fn(&str)>,
 }
@@ -223,6 +228,8 @@ impl App {
             thread: [0.0; 2],
             last: Instant::now(),
             size: [0; 2],
+            editing: None,
+            saving: None,
             log: None,
         }
     }
@@ -281,6 +288,7 @@ impl App {
         if !same {
             self.plan = PlanView::default();
             self.history.clear();
+            self.editing = None;
         }
         (self.source, self.second, self.explained) = (None, None, None);
         (self.frozen, self.play, self.mark) = (None, None, None);
@@ -466,7 +474,8 @@ impl App {
             return;
         };
         let now = modified(&document.path);
-        if now.is_some() && now != self.watched.1 && self.loading.is_none() {
+        let idle = self.loading.is_none() && self.changes() == 0;
+        if now.is_some() && now != self.watched.1 && idle {
             self.reload();
         }
         self.context.request_repaint_after(WATCH);
@@ -513,6 +522,18 @@ impl App {
             if pressed(key) {
                 self.settings.view = view;
             }
+        }
+        if pressed(Key::B) {
+            self.edit();
+        }
+        let command = |key, shift| {
+            ui.input(|i| i.modifiers.command && i.modifiers.shift == shift && i.key_pressed(key))
+        };
+        if command(Key::Z, false) {
+            self.undo(false);
+        }
+        if command(Key::Z, true) || command(Key::Y, false) {
+            self.undo(true);
         }
         if pressed(Key::M) {
             self.settings.plan = !self.settings.plan;
@@ -727,8 +748,18 @@ impl App {
             path: self.play.as_ref().map_or(&[], |p| &p.line),
             heat: self.settings.heat,
             mark: self.mark,
+            editing: self.editing.is_some(),
         };
         match self.plan.show(ui, &scene) {
+            Some(PlanEvent::Grab(at, within)) => {
+                let held = self.grab(at, within);
+                self.plan.held = held;
+            }
+            Some(PlanEvent::Drag(to)) => self.drag(to),
+            Some(PlanEvent::Drop) => self.drop_corner(),
+            Some(PlanEvent::Door(at, within)) => {
+                self.toggle_door(at, within);
+            }
             Some(PlanEvent::Jump(at)) => {
                 self.source = None;
                 self.jump(at);
@@ -777,6 +808,7 @@ impl eframe::App for App {
         let seconds = self.last.elapsed().as_secs_f64().min(0.1);
         self.last = start;
         self.fetch();
+        self.follow_edits();
         self.watch();
         self.dropped(ui);
         self.keys(ui);
@@ -784,6 +816,9 @@ impl eframe::App for App {
         self.walk_on(seconds);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if self.editing.is_some() {
+            egui::Panel::bottom("edit").show(ui, |ui| self.edit_bar(ui));
+        }
         egui::Panel::left("panels")
             .default_size(300.0)
             .show(ui, |ui| self.side(ui));

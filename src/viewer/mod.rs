@@ -15,10 +15,12 @@
 //! | [`scene`] | the picture in space by the graphics card, in the order of the BSP |
 //! | [`gpu`] | a device without a window, for pictures in files and for tests |
 //! | [`tracing`] | the ray tracer beside the window's thread, coarse at once and finer as one waits |
+//! | [`edit`] | changing the level on the plan, and saving it |
 //! | [`panels`] | statistics, effects, accuracy, findings, help |
 
 pub mod app;
 pub mod document;
+pub mod edit;
 pub mod engine;
 pub mod gpu;
 pub mod panels;

@@ -11,7 +11,7 @@ use crate::level::{Finding, Place, Severity};
 use crate::preview::Culling;
 
 /// The keys, and what they do.
-const KEYS: [(&str, &str); 16] = [
+const KEYS: [(&str, &str); 18] = [
     ("W A S D", "walk; arrow keys too, left and right turn"),
     ("drag in the view", "look around"),
     ("Shift", "run"),
@@ -28,6 +28,8 @@ const KEYS: [(&str, &str); 16] = [
         "why the first cell sees this one, or not",
     ),
     ("double-click in the plan", "go there"),
+    ("B", "change the level: drag corners, click doors"),
+    ("Ctrl Z, Ctrl Y", "take back, do again"),
     ("Esc", "nothing chosen"),
     ("F3", "times of the window itself"),
     ("F5", "read the file again"),
@@ -43,6 +45,11 @@ impl App {
                 }
                 if ui.button("Read again (F5)").clicked() {
                     self.reload();
+                }
+                if ui.button("Save as TOML…").clicked() {
+                    let name = self.document.as_ref().map(|d| d.level.name.clone());
+                    let name = name.unwrap_or_default().to_lowercase().replace(' ', "-");
+                    self.saving = Some(format!("{name}.toml"));
                 }
                 if ui.button("Quit").clicked() {
                     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
@@ -67,6 +74,13 @@ impl App {
                     .changed()
                 {
                     self.freeze();
+                }
+                let mut editing = self.editing.is_some();
+                if ui
+                    .checkbox(&mut editing, "Change the level on the plan (B)")
+                    .changed()
+                {
+                    self.edit();
                 }
                 ui.checkbox(&mut self.settings.debug, "Times of the window (F3)");
                 ui.separator();
@@ -435,6 +449,21 @@ impl App {
                 });
             if !open {
                 self.error = None;
+            }
+        }
+        if let Some(mut path) = self.saving.take() {
+            let (mut open, mut go) = (true, false);
+            egui::Window::new("Save as TOML")
+                .open(&mut open)
+                .show(&context, |ui| {
+                    ui.text_edit_singleline(&mut path).request_focus();
+                    go = ui.button("Save").clicked()
+                        || ui.input(|i| i.key_pressed(egui::Key::Enter));
+                });
+            if go {
+                self.save(path.into());
+            } else if open {
+                self.saving = Some(path);
             }
         }
         if let Some(mut typed) = self.typed.take() {

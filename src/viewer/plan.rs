@@ -20,6 +20,8 @@ pub struct PlanView {
     scale: f64,
     /// Whether the eye stays in the middle.
     pub follow: bool,
+    /// Whether a drag moves a corner of the level, and not the plan.
+    pub held: bool,
 }
 
 impl Default for PlanView {
@@ -28,6 +30,7 @@ impl Default for PlanView {
             middle: DVec2::ZERO,
             scale: 0.0,
             follow: false,
+            held: false,
         }
     }
 }
@@ -58,6 +61,8 @@ pub struct PlanScene<'a> {
     pub heat: bool,
     /// A place to point at.
     pub mark: Option<DVec2>,
+    /// Whether the level is changed here.
+    pub editing: bool,
 }
 
 /// What somebody wants.
@@ -71,6 +76,14 @@ pub enum PlanEvent {
     Second(CellId),
     /// Neither source nor second.
     Clear,
+    /// To take hold of a corner so near to a place.
+    Grab(DVec2, f64),
+    /// The corner to be here.
+    Drag(DVec2),
+    /// To let it go.
+    Drop,
+    /// The door so near to a place opened, or closed.
+    Door(DVec2, f64),
 }
 
 const BACK: Color32 = Color32::from_rgb(18, 21, 26);
@@ -121,7 +134,9 @@ impl PlanView {
         if self.follow {
             self.middle = scene.eye.0;
         }
-        self.steer(ui, &response);
+        if !self.held {
+            self.steer(ui, &response);
+        }
         painter.rect_filled(rect, 0.0, BACK);
         let place = |p: DVec2| self.to_screen(rect, p);
         self.cells(scene, rect, &painter);
@@ -168,6 +183,11 @@ impl PlanView {
         if scene.heat {
             legend(&painter, rect, document);
         }
+        if scene.editing
+            && let Some(event) = self.hand(ui, &response, scene)
+        {
+            return Some(event);
+        }
         let shift = ui.input(|i| i.modifiers.shift);
         match (cell, at) {
             (_, Some(at)) if response.double_clicked() => Some(PlanEvent::Jump(at)),
@@ -176,6 +196,41 @@ impl PlanView {
             (None, _) if response.clicked() => Some(PlanEvent::Clear),
             _ => None,
         }
+    }
+
+    /// What a hand on the plan does to the level.
+    fn hand(&mut self, ui: &Ui, response: &egui::Response, scene: &PlanScene) -> Option<PlanEvent> {
+        /// Points of the screen that count as near.
+        const NEAR: f64 = 9.0;
+        let (rect, within) = (response.rect, NEAR / self.scale);
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            let start = ui.input(|i| i.pointer.press_origin())?;
+            return Some(PlanEvent::Grab(self.to_plan(rect, start), within));
+        }
+        if self.held && response.drag_stopped() {
+            self.held = false;
+            return Some(PlanEvent::Drop);
+        }
+        if self.held && response.dragged() {
+            let at = self.to_plan(rect, response.interact_pointer_pos()?);
+            return Some(PlanEvent::Drag(self.rounded(at)));
+        }
+        if response.clicked() {
+            let at = self.to_plan(rect, response.interact_pointer_pos()?);
+            let door = |(line, ends): &(Line, [DVec2; 2])| {
+                *line == Line::Door && nearness(at, *ends) <= within
+            };
+            if scene.document.plan.lines.iter().any(door) {
+                return Some(PlanEvent::Door(at, within));
+            }
+        }
+        None
+    }
+
+    /// On round numbers, as fine as a point of the screen.
+    fn rounded(&self, at: DVec2) -> DVec2 {
+        let step = 10f64.powf((4.0 / self.scale).log10().floor());
+        (at / step).round() * step
     }
 
     /// Moves and zooms.
@@ -255,6 +310,13 @@ impl PlanView {
         let outline = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
         painter.add(Shape::closed_line(outline, Stroke::new(1.5, colour)));
     }
+}
+
+/// Distance of a place from a line.
+fn nearness(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let along = b - a;
+    let share = (p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    p.distance(a + along * share.clamp(0.0, 1.0))
 }
 
 fn stroke(line: Line) -> Stroke {
