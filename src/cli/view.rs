@@ -20,6 +20,28 @@ pub struct ViewArgs {
     log: bool,
 }
 
+/// Findings and explanations in the words of `check` and `explain`.
+#[cfg(feature = "viewer")]
+const VOICE: crate::viewer::Voice = crate::viewer::Voice {
+    findings: crate::report::check::of_cells,
+    why: |level, graph, pvs, cells, heights| {
+        use crate::pvs::explain::ExplainOptions;
+        use crate::report::explain::{Account, Asked, explain, text};
+
+        let asked = cells.map(|cell| Asked {
+            cell,
+            point: None,
+            beside: None,
+        });
+        let options = ExplainOptions {
+            heights: heights.then(Default::default),
+            ..ExplainOptions::default()
+        };
+        let explained = explain(graph, pvs, asked, &options)?;
+        Some(text::of(level, &Account::of(level, graph, &explained)))
+    },
+};
+
 /// Runs `enfilade view`.
 #[cfg(feature = "viewer")]
 pub fn run(args: &ViewArgs) -> Result<Answer> {
@@ -47,7 +69,7 @@ pub fn run(args: &ViewArgs) -> Result<Answer> {
     let log = args
         .log
         .then_some((|line: &str| super::complain(line)) as fn(&str));
-    viewer::run(level, loader, log)?;
+    viewer::run(level, (loader, VOICE), log)?;
     Ok(Answer::Yes)
 }
 

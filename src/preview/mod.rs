@@ -15,7 +15,8 @@
 //! | [`view`](mod@view) | polygons as a camera sees them |
 //! | [`fill`](mod@fill) | rows of pixels, in perspective |
 //! | [`objects`] | what stands in the cells, by rays, in the cells' turn |
-//! | [`draw`] | the order, the figures, bands of rows on threads |
+//! | [`draw`] | the order, the figures |
+//! | `band` | bands of rows, painted on threads |
 //! | [`canvas`] | the picture |
 //!
 //! Objects are no polygons of the plan, so the tree does not order them; but each cell is convex, and what
@@ -27,6 +28,7 @@
 //! still free then paints each pixel once, and may stop when none is left; glass and gratings wait, and
 //! are painted at the end, the farthest first. Both orders give the same bytes.
 
+mod band;
 pub mod border;
 pub mod canvas;
 pub mod coat;

@@ -8,28 +8,25 @@ use std::time::{Duration, Instant, SystemTime};
 
 use eframe::egui;
 use eframe::egui_wgpu::RenderState;
-use egui::{Color32, ColorImage, Key, Sense, TextureHandle, TextureId, TextureOptions, Ui};
+use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
 use glam::{DVec2, DVec3};
 
-use super::document::{Document, Loader};
+use super::document::{Document, Loader, Voice};
 use super::edit::Editing;
-use super::engine::{Card, Engine, Explained, Look, Picture, Report, SLOTS, Seen};
-use super::plan::{PlanEvent, PlanScene, PlanView};
-use super::tracing::{Report as TracingReport, Request, Traced, Tracing};
-use super::walker::{Input, Mode, Walker};
+use super::engine::{Card, Engine, Explained, Look, Report, SLOTS, Seen};
+use super::plan::PlanView;
+use super::tracing::{Report as TracingReport, Traced, Tracing};
+use super::walker::{Mode, Walker};
 use crate::cells::{CellId, Doors};
 use crate::preview::Culling;
 use crate::trace::camera::Camera;
 use crate::trace::effects::Effects;
-use crate::trace::picture::Exposure;
-use crate::trace::render::RenderOptions;
-use crate::trace::shade::Limits;
 use crate::walk::{Ground, Track, TrackOptions, tour};
 
 /// How much of the past the statistics show.
-const HISTORY: usize = 600;
+pub(super) const HISTORY: usize = 600;
 /// Most pixels of the 3D picture along a side.
-const PIXELS: f32 = 1600.0;
+pub(super) const PIXELS: f32 = 1600.0;
 /// How often the file is looked at.
 const WATCH: Duration = Duration::from_millis(700);
 
@@ -118,10 +115,11 @@ pub struct Play {
 /// The window.
 pub struct App {
     loader: Loader,
+    voice: Voice,
     loading: Option<(String, Receiver<Result<Document, String>>)>,
     /// What is open.
     pub document: Option<Arc<Document>>,
-    engine: Option<Engine>,
+    pub(super) engine: Option<Engine>,
     pub(super) context: egui::Context,
     /// The eye.
     pub eye: Walker,
@@ -133,18 +131,18 @@ pub struct App {
     pub tab: Tab,
     /// What the eye saw last.
     pub seen: Option<Seen>,
-    picture: Option<TextureHandle>,
+    pub(super) picture: Option<TextureHandle>,
     /// The graphics card's textures, as the window knows them, and the one that is shown.
-    card: Option<RenderState>,
-    slots: [Option<TextureId>; SLOTS],
-    shown: Option<TextureId>,
-    tracing: Option<Tracing>,
+    pub(super) card: Option<RenderState>,
+    pub(super) slots: [Option<TextureId>; SLOTS],
+    pub(super) shown: Option<TextureId>,
+    pub(super) tracing: Option<Tracing>,
     /// The traced picture, and what it is of.
     pub traced: Option<(TextureHandle, Traced)>,
-    requested: Option<Camera>,
+    pub(super) requested: Option<Camera>,
     /// What has been asked of the mouse since the last frame.
-    look: DVec2,
-    asked: Option<Look>,
+    pub(super) look: DVec2,
+    pub(super) asked: Option<Look>,
     /// The camera whose cells stay drawn.
     pub frozen: Option<Camera>,
     /// The cell that was clicked.
@@ -167,7 +165,7 @@ pub struct App {
     /// The longest that the window's thread took for a frame, in milliseconds, and the last.
     pub thread: [f64; 2],
     last: Instant,
-    size: [u32; 2],
+    pub(super) size: [u32; 2],
     /// The level's changes, while it is changed.
     pub editing: Option<Editing>,
     /// Where to save, as it is typed.
@@ -178,10 +176,15 @@ pub struct App {
 
 impl App {
     /// A window without a level.
-    pub fn new(context: &egui::Context, card: Option<RenderState>, loader: Loader) -> Self {
+    pub fn new(
+        context: &egui::Context,
+        card: Option<RenderState>,
+        (loader, voice): (Loader, Voice),
+    ) -> Self {
         context.set_theme(egui::Theme::Dark);
         Self {
             loader,
+            voice,
             loading: None,
             document: None,
             engine: None,
@@ -237,6 +240,7 @@ impl App {
     /// Reads a level beside the window's thread, and shows it when it is ready.
     pub fn open(&mut self, path: PathBuf, map: Option<String>) {
         let (loader, context) = (self.loader.clone(), self.context.clone());
+        let voice = self.voice;
         let doors = if self.settings.closed {
             Doors::Closed
         } else {
@@ -247,7 +251,13 @@ impl App {
         self.watched.1 = modified(&path);
         std::thread::spawn(move || {
             let document = loader(&path, map.as_deref()).and_then(|loaded| {
-                Document::new((path, map), loaded.level, Arc::new(loaded.files), doors)
+                Document::new(
+                    (path, map),
+                    loaded.level,
+                    Arc::new(loaded.files),
+                    doors,
+                    voice,
+                )
             });
             _ = answer.send(document);
             context.request_repaint();
@@ -408,62 +418,6 @@ impl App {
         }
     }
 
-    fn take(&mut self, seen: Seen) {
-        match &seen.picture {
-            Picture::Bytes(bytes) => {
-                let size = seen.look.camera.size.map(|n| n as usize);
-                let image = ColorImage::from_rgb(size, bytes);
-                let options = TextureOptions::NEAREST;
-                match &mut self.picture {
-                    Some(texture) => texture.set(image, options),
-                    None => {
-                        self.picture = Some(self.context.load_texture("view", image, options));
-                    }
-                }
-                self.shown = self.picture.as_ref().map(TextureHandle::id);
-            }
-            Picture::Card(slot, view) => {
-                if let Some(card) = &self.card {
-                    let mut renderer = card.renderer.write();
-                    let filter = wgpu::FilterMode::Linear;
-                    let id = match self.slots[*slot] {
-                        Some(id) => {
-                            renderer.update_egui_texture_from_wgpu_texture(
-                                &card.device,
-                                view,
-                                filter,
-                                id,
-                            );
-                            id
-                        }
-                        None => renderer.register_native_texture(&card.device, view, filter),
-                    };
-                    self.slots[*slot] = Some(id);
-                    self.shown = Some(id);
-                }
-            }
-        }
-        let before = self.seen.as_ref().and_then(|s| s.cell);
-        if let (Some(log), Some(cell), Some(document)) = (self.log, seen.cell, &self.document)
-            && before != Some(cell)
-        {
-            let [x, y, z] = seen.look.camera.eye.to_array();
-            let pvs = document.sees[cell.0 as usize];
-            log(&format!(
-                "eye {x:.4} {y:.4} {z:.4} cell {} pvs {pvs}",
-                cell.0
-            ));
-        }
-        self.history.push_back(Sample {
-            polygons: seen.figures.painted as f64,
-            milliseconds: seen.milliseconds.iter().sum(),
-        });
-        while self.history.len() > HISTORY {
-            self.history.pop_front();
-        }
-        self.seen = Some(seen);
-    }
-
     /// Looks whether the file has changed.
     fn watch(&mut self) {
         if self.watched.0.elapsed() < WATCH {
@@ -481,302 +435,12 @@ impl App {
         self.context.request_repaint_after(WATCH);
     }
 
-    /// Moves the eye as the keys say.
-    fn steer(&mut self, ui: &Ui, seconds: f64) {
-        if ui.ctx().egui_wants_keyboard_input() {
-            return;
-        }
-        let Some(document) = self.document.clone() else {
-            return;
-        };
-        let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
-        let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
-        let input = Input {
-            forward: axis(&[Key::W, Key::ArrowUp], &[Key::S, Key::ArrowDown]),
-            right: axis(&[Key::D], &[Key::A]),
-            up: axis(&[Key::E, Key::Space], &[Key::Q]),
-            turn: axis(&[Key::ArrowLeft], &[Key::ArrowRight]),
-            tilt: axis(&[Key::PageUp], &[Key::PageDown]),
-            run: ui.input(|i| i.modifiers.shift),
-            look: std::mem::take(&mut self.look),
-        };
-        if input.is_idle() && !self.eye.moves() {
-            return;
-        }
-        self.play = None;
-        self.eye.step(&input, seconds, &document.site());
-        self.context.request_repaint();
-    }
-
-    /// Keys that do something once.
-    fn keys(&mut self, ui: &Ui) {
-        if ui.ctx().egui_wants_keyboard_input() {
-            return;
-        }
-        let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
-        for (key, view) in [
-            (Key::Num1, View::Painted),
-            (Key::Num2, View::Traced),
-            (Key::Num3, View::Both),
-        ] {
-            if pressed(key) {
-                self.settings.view = view;
-            }
-        }
-        if pressed(Key::B) {
-            self.edit();
-        }
-        let command = |key, shift| {
-            ui.input(|i| i.modifiers.command && i.modifiers.shift == shift && i.key_pressed(key))
-        };
-        if command(Key::Z, false) {
-            self.undo(false);
-        }
-        if command(Key::Z, true) || command(Key::Y, false) {
-            self.undo(true);
-        }
-        if pressed(Key::M) {
-            self.settings.plan = !self.settings.plan;
-        }
-        if pressed(Key::F) {
-            self.eye.mode = match self.eye.mode {
-                Mode::Walk => Mode::Fly,
-                Mode::Fly => Mode::Walk,
-            };
-        }
-        if pressed(Key::P) {
-            self.freeze();
-        }
-        if pressed(Key::H) {
-            self.settings.heat = !self.settings.heat;
-        }
-        if pressed(Key::T) {
-            self.settings.textured = !self.settings.textured;
-        }
-        if pressed(Key::F1) {
-            self.settings.help = !self.settings.help;
-        }
-        if pressed(Key::F3) {
-            self.settings.debug = !self.settings.debug;
-        }
-        if pressed(Key::F5) {
-            self.reload();
-        }
-        if pressed(Key::Escape) {
-            (self.source, self.second, self.explained) = (None, None, None);
-            (self.mark, self.error) = (None, None);
-            self.settings.help = false;
-        }
-    }
-
     /// Keeps drawing what the eye sees now, wherever it flies; or lets it go.
     pub fn freeze(&mut self) {
         self.frozen = match self.frozen {
             None => Some(self.camera()),
             Some(_) => None,
         };
-    }
-
-    /// The 3D view, in all the room there is.
-    fn view(&mut self, ui: &mut Ui) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::drag());
-        response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Image, true, "View into the level")
-        });
-        let rect = response.rect;
-        let scale = ui.ctx().pixels_per_point();
-        let pixels = rect.size() * scale;
-        let shrink = (PIXELS / pixels.max_elem()).min(1.0);
-        self.size = [pixels.x, pixels.y].map(|n| ((n * shrink) as u32).max(1));
-        if response.dragged() {
-            // What is under the pointer stays there, about.
-            let turn = self.settings.fov.to_radians() / f64::from(rect.width().max(1.0));
-            let d = response.drag_delta();
-            self.look += DVec2::new(f64::from(d.x), f64::from(d.y)) * turn;
-            self.context.request_repaint();
-        }
-        painter.rect_filled(rect, 0.0, Color32::BLACK);
-        let part = |from: f32, to: f32| {
-            let uv = egui::Rect::from_min_max(egui::pos2(from, 0.0), egui::pos2(to, 1.0));
-            let at = |share: f32| rect.left() + share * rect.width();
-            let room = egui::Rect::from_x_y_ranges(at(from)..=at(to), rect.y_range());
-            (room, uv)
-        };
-        // With both, the left half of the one picture and the right half of the other.
-        let split = match self.settings.view {
-            View::Painted => 1.0,
-            View::Traced => 0.0,
-            View::Both => 0.5,
-        };
-        if let Some(id) = self.shown
-            && split > 0.0
-        {
-            let (room, uv) = part(0.0, split);
-            painter.image(id, room, uv, Color32::WHITE);
-        }
-        if let Some((texture, traced)) = &self.traced
-            && split < 1.0
-        {
-            let (room, uv) = part(split, 1.0);
-            painter.image(texture.id(), room, uv, Color32::WHITE);
-            let text = if traced.done {
-                format!("traced: {} samples", traced.samples)
-            } else {
-                format!(
-                    "tracing: every {} pixels, {} samples",
-                    traced.coarse, traced.samples
-                )
-            };
-            let font = egui::FontId::proportional(13.0);
-            let at = rect.right_bottom() - egui::vec2(10.0, 8.0);
-            painter.text(at, egui::Align2::RIGHT_BOTTOM, text, font, Color32::WHITE);
-        }
-        if self.settings.view == View::Both {
-            let middle = rect.center().x;
-            let line = egui::Stroke::new(2.0, Color32::WHITE);
-            painter.vline(middle, rect.y_range(), line);
-        }
-        if self.frozen.is_some() {
-            let font = egui::FontId::proportional(14.0);
-            let at = rect.center_top() + egui::vec2(0.0, 10.0);
-            let text = "frozen: what is drawn was chosen where you pressed P";
-            painter.text(at, egui::Align2::CENTER_TOP, text, font, Color32::YELLOW);
-        }
-    }
-
-    /// Asks what the eye sees, if that has changed.
-    fn ask(&mut self) {
-        let Some(engine) = &self.engine else { return };
-        let look = Look {
-            camera: self.camera(),
-            chosen_by: self.frozen,
-            culling: self.settings.culling,
-            textured: self.settings.textured,
-        };
-        if self.size[0] > 0 && self.asked != Some(look) {
-            engine.look(look);
-            self.asked = Some(look);
-        }
-    }
-
-    /// Asks for a traced picture, if what it shows has changed.
-    fn trace(&mut self) {
-        if self.settings.view == View::Painted {
-            if self.requested.take().is_some() {
-                self.tracing.iter().for_each(Tracing::stop);
-            }
-            return;
-        }
-        let (Some(document), Some(seen)) = (&self.document, &self.seen) else {
-            return;
-        };
-        let camera = self.camera();
-        // First the eye's cell has to be known, and with it what matters there.
-        let Some(survey) = seen.survey.as_ref().filter(|_| seen.look.camera == camera) else {
-            return;
-        };
-        if self.requested == Some(camera) {
-            return;
-        }
-        if self.tracing.is_none() {
-            let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-            let context = self.context.clone();
-            let wake = move || context.request_repaint();
-            self.tracing = Tracing::start(threads.saturating_sub(1).max(1), wake).ok();
-        }
-        let Some(tracing) = &self.tracing else { return };
-        let settings = &self.settings;
-        let usual = RenderOptions::default();
-        let effects = survey.needed.iter().filter(|e| !settings.without.has(*e));
-        let options = RenderOptions {
-            samples: settings.samples,
-            effects: effects.collect(),
-            limits: Limits {
-                depth: settings.depth,
-                light_samples: settings.rays,
-                scatter_samples: settings.rays,
-                ..usual.limits
-            },
-            ..usual
-        };
-        let exposure = if document.world.wardrobe.is_some() {
-            Exposure::Stops(1.5)
-        } else {
-            Exposure::Auto
-        };
-        tracing.request(Request {
-            stage: document.clone(),
-            camera,
-            options,
-            exposure,
-        });
-        self.requested = Some(camera);
-    }
-
-    /// Traces once more, as something else than the place has changed.
-    pub fn trace_again(&mut self) {
-        self.requested = None;
-    }
-
-    /// The plan, in all the room there is.
-    fn plan(&mut self, ui: &mut Ui) {
-        let Some(document) = self.document.clone() else {
-            // So that the room is not given away meanwhile.
-            ui.take_available_space();
-            return;
-        };
-        let seen = self.seen.as_ref();
-        let explained = self
-            .explained
-            .as_ref()
-            .filter(|e| Some(e.cells[0]) == self.source && Some(e.cells[1]) == self.second);
-        let half = (self.settings.fov / 2.0).to_radians();
-        let scene = PlanScene {
-            document: &document,
-            eye: (
-                self.eye.eye.truncate(),
-                DVec2::from_angle(self.eye.yaw),
-                half,
-            ),
-            cell: seen.and_then(|s| s.cell),
-            cells: seen.map_or(&[], |s| &s.cells),
-            area: seen.map_or(&[], |s| &s.area),
-            source: self.source,
-            second: self.second,
-            sightline: explained.and_then(|e| e.line),
-            way: explained.map_or(&[], |e| &e.way),
-            path: self.play.as_ref().map_or(&[], |p| &p.line),
-            heat: self.settings.heat,
-            mark: self.mark,
-            editing: self.editing.is_some(),
-        };
-        match self.plan.show(ui, &scene) {
-            Some(PlanEvent::Grab(at, within)) => {
-                let held = self.grab(at, within);
-                self.plan.held = held;
-            }
-            Some(PlanEvent::Drag(to)) => self.drag(to),
-            Some(PlanEvent::Drop) => self.drop_corner(),
-            Some(PlanEvent::Door(at, within)) => {
-                self.toggle_door(at, within);
-            }
-            Some(PlanEvent::Jump(at)) => {
-                self.source = None;
-                self.jump(at);
-            }
-            Some(PlanEvent::Source(cell)) => {
-                (self.source, self.second, self.explained) = (Some(cell), None, None);
-            }
-            Some(PlanEvent::Second(cell)) => {
-                self.source = self.source.or(self.seen.as_ref().and_then(|s| s.cell));
-                self.second = Some(cell);
-                self.ask_why();
-            }
-            Some(PlanEvent::Clear) => {
-                (self.source, self.second, self.explained) = (None, None, None);
-            }
-            None => {}
-        }
     }
 
     /// Files that were dropped on the window.

@@ -14,7 +14,6 @@ use super::walker::{Footing, Site};
 use crate::cells::{self, CellGraph, CellId, Doors, Locator, subdivide};
 use crate::level::{Finding, Level, OpeningStyle, WallKind};
 use crate::pvs::{Progress, Pvs, sweep};
-use crate::report::check;
 use crate::trace::world::{Files, World};
 use crate::walk::Person;
 
@@ -28,6 +27,15 @@ pub struct Loaded {
 
 /// Reads a level file, and a map of it; the message says what is wrong and what to do.
 pub type Loader = Arc<dyn Fn(&Path, Option<&str>) -> Result<Loaded, String> + Send + Sync>;
+
+/// Words that others put together: the viewer stands beside them, and does not know them.
+#[derive(Clone, Copy)]
+pub struct Voice {
+    /// What looks wrong in a level with these cells.
+    pub findings: fn(&Level, &CellGraph) -> Vec<Finding>,
+    /// Why two cells see each other or not, with heights or without, in a few lines.
+    pub why: fn(&Level, &CellGraph, &Pvs, [CellId; 2], bool) -> Option<String>,
+}
 
 /// How long each stage took, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,6 +78,8 @@ pub struct Document {
     pub footing: Footing,
     /// What it took.
     pub stages: Stages,
+    /// Who puts things into words.
+    pub voice: Voice,
 }
 
 /// Lines and outlines of the plan, in the level's unit.
@@ -105,6 +115,7 @@ impl Document {
         level: Level,
         files: Arc<Files>,
         doors: Doors,
+        voice: Voice,
     ) -> Result<Self, String> {
         const AMBIENT: f64 = 0.12;
         let mut stages = Stages::default();
@@ -125,7 +136,7 @@ impl Document {
         lap(&mut stages.world);
         let mut findings = level.findings.clone();
         findings.extend(graph.findings.iter().cloned());
-        findings.extend(check::of_cells(&level, &graph));
+        findings.extend((voice.findings)(&level, &graph));
         findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
         let sees = graph.cell_ids().map(|c| pvs.seen_from(c).count() as u32);
         let person = Person::of_unit(&level.unit);
@@ -144,6 +155,7 @@ impl Document {
             world,
             findings,
             stages,
+            voice,
         })
     }
 

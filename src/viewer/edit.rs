@@ -158,7 +158,7 @@ impl App {
                     let old = self.document.as_ref().map_or(new, |d| pairs(d));
                     let stages = document.stages;
                     editing.note = format!(
-                        "{:.1} ms to cut, {:.1} ms to see; visible pairs {old} → {new} ({:+.1} %)",
+                        "{:.1} ms to cut, {:.1} ms to see; visible pairs {old}, now {new} ({:+.1} %)",
                         stages.subdivide,
                         stages.visibility,
                         (new as f64 / old.max(1) as f64 - 1.0) * 100.0
@@ -192,9 +192,15 @@ impl App {
             } else {
                 Doors::Open
             };
-            let context = self.context.clone();
+            let (context, voice) = (self.context.clone(), old.voice);
             std::thread::spawn(move || {
-                _ = send.send(Document::new(place, Level::clone(&level), files, doors));
+                _ = send.send(Document::new(
+                    place,
+                    Level::clone(&level),
+                    files,
+                    doors,
+                    voice,
+                ));
                 context.request_repaint();
             });
             editing.stale = false;

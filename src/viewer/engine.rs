@@ -15,10 +15,9 @@ use super::document::Document;
 use super::scene::{self, Pipelines, Scene, Target};
 use crate::cells::CellId;
 use crate::preview::{Culling, Easel, Figures, Finish, Options, Painter, culling::cone};
-use crate::pvs::explain::{ExplainOptions, Explanation};
+use crate::pvs::explain::{ExplainOptions, Explanation, explain};
 use crate::pvs::eye::{Lookout, Scratch};
 use crate::pvs::heights::HeightsOptions;
-use crate::report::explain::{self, Account, Asked};
 use crate::trace::camera::Camera;
 use crate::trace::effects::{Survey, survey};
 use crate::trace::world::locate;
@@ -357,15 +356,10 @@ fn why(document: &Document, cells: [CellId; 2], heights: bool) -> Option<Explain
         heights: heights.then(HeightsOptions::default),
         ..ExplainOptions::default()
     };
-    let asked = cells.map(|cell| Asked {
-        cell,
-        point: None,
-        beside: None,
-    });
-    let explained = explain::explain(graph, pvs, asked, &options)?;
-    let text = explain::text::of(level, &Account::of(level, graph, &explained));
+    let explanation = explain(graph, pvs, cells[0], cells[1], &options)?;
+    let text = (document.voice.why)(level, graph, pvs, cells, heights)?;
     let (mut line, mut way) = (None, Vec::new());
-    match &explained.explanation {
+    match &explanation {
         Explanation::Visible(view) => {
             let segment = [&view.segment.from, &view.segment.to];
             line = Some(segment.map(|p| document.to_level(p.approx())));
@@ -382,7 +376,7 @@ fn why(document: &Document, cells: [CellId; 2], heights: bool) -> Option<Explain
     }
     Some(Explained {
         cells,
-        sees: explained.explanation.sees(),
+        sees: explanation.sees(),
         text,
         line,
         way,

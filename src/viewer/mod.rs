@@ -10,12 +10,13 @@
 //! | [`document`] | a level with all that there is to show of it; never changed, only replaced |
 //! | [`engine`] | a thread that answers what an eye sees, and why cells see each other |
 //! | [`plan`] | the plan: to look at and to click on |
-//! | [`app`] | the window: menus, movement, the 3D view |
+//! | [`app`] | the window: what is open, and what goes on |
 //! | [`walker`] | movement: on the ground with its walls and steps, or flying |
 //! | [`scene`] | the picture in space by the graphics card, in the order of the BSP |
 //! | [`gpu`] | a device without a window, for pictures in files and for tests |
 //! | [`tracing`] | the ray tracer beside the window's thread, coarse at once and finer as one waits |
 //! | [`edit`] | changing the level on the plan, and saving it |
+//! | `view`, `steer` | what view and plan show; keys and mouse |
 //! | [`panels`] | statistics, effects, accuracy, findings, help |
 
 pub mod app;
@@ -28,9 +29,11 @@ pub mod plan;
 #[cfg(test)]
 mod sample;
 pub mod scene;
+mod steer;
 #[cfg(all(test, feature = "viewer-tests"))]
 mod tests;
 pub mod tracing;
+mod view;
 pub mod walker;
 
 use std::path::PathBuf;
@@ -39,7 +42,7 @@ use eframe::egui;
 use thiserror::Error;
 
 pub use app::App;
-pub use document::{Document, Loaded, Loader};
+pub use document::{Document, Loaded, Loader, Voice};
 
 /// Why there is no window.
 #[derive(Debug, Error)]
@@ -56,7 +59,7 @@ pub enum ViewerError {
 /// another cell: `eye X Y Z cell N pvs N`.
 pub fn run(
     level: Option<(PathBuf, Option<String>)>,
-    loader: Loader,
+    (loader, voice): (Loader, Voice),
     log: Option<fn(&str)>,
 ) -> Result<(), ViewerError> {
     let options = eframe::NativeOptions {
@@ -70,7 +73,7 @@ pub fn run(
         Box<dyn eframe::App>,
         Box<dyn std::error::Error + Send + Sync>,
     > {
-        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), loader);
+        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), (loader, voice));
         app.log = log;
         if let Some((path, map)) = level {
             app.open(path, map);

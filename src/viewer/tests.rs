@@ -11,13 +11,19 @@ use egui_kittest::kittest::Queryable;
 use glam::DVec2;
 
 use super::app::{App, Tab, View};
-use super::document::{Loaded, Loader};
+use super::document::{Loaded, Loader, Voice};
 use super::engine::Picture;
 use super::walker::Mode;
 use crate::cells::CellId;
 use crate::level::read;
 use crate::preview::Culling;
 use crate::trace::world::Files;
+
+/// Words are tested where they are made.
+const VOICE: Voice = Voice {
+    findings: |_, _| Vec::new(),
+    why: |_, _, _, [a, b], _| Some(format!("cells {} and {}", a.0, b.0)),
+};
 
 fn loader() -> Loader {
     Arc::new(|path: &Path, map: Option<&str>| {
@@ -42,7 +48,7 @@ fn window(path: PathBuf) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(move |context| {
-            let mut app = App::new(&context.egui_ctx, None, loader());
+            let mut app = App::new(&context.egui_ctx, None, (loader(), VOICE));
             app.open(path, None);
             app
         });
@@ -399,7 +405,7 @@ fn the_window_does_not_wait_for_slow_levels() {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(|context| {
-            let mut app = App::new(&context.egui_ctx, None, loader());
+            let mut app = App::new(&context.egui_ctx, None, (loader(), VOICE));
             app.open(path.to_path_buf(), Some("MAP12".to_string()));
             app
         });

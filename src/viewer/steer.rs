@@ -1,0 +1,97 @@
+//! Keys and mouse: where the eye goes, and what is switched on and off.
+
+use eframe::egui;
+use egui::{Key, Ui};
+
+use super::app::{App, View};
+use super::walker::{Input, Mode};
+
+impl App {
+    /// Moves the eye as the keys say.
+    pub(super) fn steer(&mut self, ui: &Ui, seconds: f64) {
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
+        let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
+        let input = Input {
+            forward: axis(&[Key::W, Key::ArrowUp], &[Key::S, Key::ArrowDown]),
+            right: axis(&[Key::D], &[Key::A]),
+            up: axis(&[Key::E, Key::Space], &[Key::Q]),
+            turn: axis(&[Key::ArrowLeft], &[Key::ArrowRight]),
+            tilt: axis(&[Key::PageUp], &[Key::PageDown]),
+            run: ui.input(|i| i.modifiers.shift),
+            look: std::mem::take(&mut self.look),
+        };
+        if input.is_idle() && !self.eye.moves() {
+            return;
+        }
+        self.play = None;
+        self.eye.step(&input, seconds, &document.site());
+        self.context.request_repaint();
+    }
+
+    /// Keys that do something once.
+    pub(super) fn keys(&mut self, ui: &Ui) {
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
+        for (key, view) in [
+            (Key::Num1, View::Painted),
+            (Key::Num2, View::Traced),
+            (Key::Num3, View::Both),
+        ] {
+            if pressed(key) {
+                self.settings.view = view;
+            }
+        }
+        if pressed(Key::B) {
+            self.edit();
+        }
+        let command = |key, shift| {
+            ui.input(|i| i.modifiers.command && i.modifiers.shift == shift && i.key_pressed(key))
+        };
+        if command(Key::Z, false) {
+            self.undo(false);
+        }
+        if command(Key::Z, true) || command(Key::Y, false) {
+            self.undo(true);
+        }
+        if pressed(Key::M) {
+            self.settings.plan = !self.settings.plan;
+        }
+        if pressed(Key::F) {
+            self.eye.mode = match self.eye.mode {
+                Mode::Walk => Mode::Fly,
+                Mode::Fly => Mode::Walk,
+            };
+        }
+        if pressed(Key::P) {
+            self.freeze();
+        }
+        if pressed(Key::H) {
+            self.settings.heat = !self.settings.heat;
+        }
+        if pressed(Key::T) {
+            self.settings.textured = !self.settings.textured;
+        }
+        if pressed(Key::F1) {
+            self.settings.help = !self.settings.help;
+        }
+        if pressed(Key::F3) {
+            self.settings.debug = !self.settings.debug;
+        }
+        if pressed(Key::F5) {
+            self.reload();
+        }
+        if pressed(Key::Escape) {
+            (self.source, self.second, self.explained) = (None, None, None);
+            (self.mark, self.error) = (None, None);
+            self.settings.help = false;
+        }
+    }
+}
