@@ -46,16 +46,24 @@ pub enum GpuError {
     Read(String),
 }
 
-/// The interfaces that are tried: those that the environment names, or Vulkan and OpenGL.
-pub fn backends() -> wgpu::Backends {
-    let usual = wgpu::Backends::PRIMARY | wgpu::Backends::GL;
-    wgpu::Backends::from_env().unwrap_or(usual)
+/// The interfaces that are tried, one after the other: those that the environment names, or Vulkan (on other
+/// systems Metal or Direct3D) and then OpenGL.
+pub fn backends() -> Vec<wgpu::Backends> {
+    match wgpu::Backends::from_env() {
+        Some(named) => vec![named],
+        None => vec![wgpu::Backends::PRIMARY, wgpu::Backends::GL],
+    }
 }
 
 impl Gpu {
     /// A device without a window.
     pub fn headless() -> Result<Self, GpuError> {
-        Self::of(backends())
+        let mut tried = backends().into_iter().map(Self::of);
+        let first = tried
+            .next()
+            .unwrap_or_else(|| Self::of(wgpu::Backends::empty()));
+        // What the first has to say is more to the point than that the others are not there.
+        first.or_else(|error| tried.find_map(Result::ok).ok_or(error))
     }
 
     /// A device without a window, reached by one of some interfaces.
@@ -155,5 +163,54 @@ fn finish<T>(future: impl Future<Output = T>) -> T {
             return value;
         }
         std::thread::yield_now();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_has_no_adapter_is_told_what_to_install() {
+        let error = Gpu::of(wgpu::Backends::empty()).expect_err("there is none");
+        let text = error.to_string();
+        assert!(
+            text.contains("apt-get install mesa-vulkan-drivers"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn rows_of_any_length_are_read_back() {
+        let gpu = match Gpu::headless() {
+            Ok(gpu) => gpu,
+            Err(error) => {
+                assert!(std::env::var_os("CI").is_none(), "{error}");
+                println!("skipped: {error}");
+                return;
+            }
+        };
+        let bytes: Vec<u8> = (0..75 * 3 * 4).map(|k| (k % 251) as u8).collect();
+        let texture = wgpu::util::DeviceExt::create_texture_with_data(
+            &gpu.device,
+            &gpu.queue,
+            &wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d {
+                    width: 75,
+                    height: 3,
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            },
+            wgpu::util::TextureDataOrder::default(),
+            &bytes,
+        );
+        assert_eq!(gpu.read(&texture).expect("it is read"), bytes);
     }
 }

@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 use super::*;
 use crate::cells::{CellId, Doors};
 use crate::preview::{Finish, Options, Order};
+use crate::trace::accel::Primitives;
 use crate::viewer::gpu::Gpu;
 use crate::viewer::sample::Sample;
 
@@ -107,6 +108,15 @@ fn cameras(sample: &Sample, n: usize) -> Vec<Camera> {
         let share: f64 = random.random_range(0.1..0.9);
         let z = chamber.floor + (chamber.ceiling - chamber.floor) * share;
         let (at, _) = sample.world.middle(cell);
+        // In a thing the software painter shows its inside.
+        let inside = |object: &u32| {
+            let bounds = sample.world.objects.bounds(*object);
+            let eye = at.extend(z);
+            bounds.min.cmple(eye).all() && eye.cmple(bounds.max).all()
+        };
+        if sample.world.objects_in(cell).iter().any(inside) {
+            continue;
+        }
         let ahead = DVec2::from_angle(random.random_range(0.0..std::f64::consts::TAU));
         let ahead = ahead.extend(random.random_range(-0.6..0.6));
         cameras.push(Camera::new(at.extend(z), ahead, 90.0, SIZE));
@@ -188,19 +198,20 @@ fn the_picture_is_that_of_the_software_painter() {
             mean * 100.0,
             worst * 100.0
         );
-        assert!(mean < 0.01 && worst < 0.03, "{name}: {mean} {worst}");
+        // Panes of glass behind each other, and texels of the same width as pixels.
+        assert!(mean < 0.01 && worst < 0.04, "{name}: {mean} {worst}");
     }
 }
 
 #[test]
 fn culling_and_samples_change_nothing_but_edges() {
     let Some(gpu) = gpu() else { return };
-    let sample = Sample::named("gallery");
+    let sample = Sample::named("museum");
     let (mut one, mut four) = (
         Stage::new(&gpu, &sample, 1, SIZE),
         Stage::new(&gpu, &sample, 4, SIZE),
     );
-    for camera in &cameras(&sample, 2) {
+    for camera in &cameras(&sample, 4) {
         let eye = look(camera);
         let (frame, bytes) = one.draw(&eye);
         let all = Look {
@@ -275,13 +286,81 @@ fn a_small_level_without_pictures_or_things() {
     let Some(gpu) = gpu() else { return };
     let text = "name = \"Room\"\n[[room]]\nname = \"Room\"\nrect = [0, 0, 20, 4]\nceiling = 3\n";
     let sample = Sample::of(text, Doors::Open);
-    let mut stage = Stage::new(&gpu, &sample, 4, [1, 1]);
-    let camera = Camera::new(DVec3::new(2.0, 2.0, 1.0), DVec3::X, 90.0, [1, 1]);
+    let size = [33, 7];
+    let mut stage = Stage::new(&gpu, &sample, 1, size);
+    let camera = Camera::new(DVec3::new(2.0, 2.0, 1.1), DVec3::X, 90.0, size);
     let (frame, bytes) = stage.draw(&look(&camera));
-    assert_eq!((bytes.len(), frame.calls), (4, 1));
+    assert_eq!((bytes.len(), frame.calls), (33 * 7 * 4, 1));
     let (_, expected) = stage.paint(&look(&camera));
-    assert!(
-        differing(&bytes, &expected, 2) == 0,
-        "{bytes:?} {expected:?}"
+    assert_eq!(differing(&bytes, &expected, 1), 0, "{bytes:?} {expected:?}");
+}
+
+/// How much neighbours in a row differ, on average.
+fn roughness(bytes: &[u8]) -> f64 {
+    let pairs = bytes.chunks_exact(4).zip(bytes[4..].chunks_exact(4));
+    let sum: f64 = pairs.map(|(p, q)| f64::from(p[1].abs_diff(q[1]))).sum();
+    sum / (bytes.len() / 4) as f64
+}
+
+#[test]
+fn pictures_far_away_are_smooth() {
+    let Some(gpu) = gpu() else { return };
+    let mut samples = vec![("gallery", Sample::named("gallery"))];
+    samples.extend(Sample::freedoom("E1M1").map(|s| ("E1M1", s)));
+    let size = [960, 600];
+    for (name, sample) in &samples {
+        let camera = &sample.level.scene.cameras[0];
+        let camera = Camera::new(camera.eye, camera.direction, camera.fov, size);
+        let plain = look(&camera);
+        let smooth = Look {
+            smooth: true,
+            ..plain.clone()
+        };
+        let (_, plain) = Stage::new(&gpu, sample, 1, size).draw(&plain);
+        let (_, smooth) = Stage::new(&gpu, sample, 4, size).draw(&smooth);
+        keep(&format!("{name}-smooth"), size, &smooth);
+        let [plain, smooth] = [plain, smooth].map(|bytes| roughness(&bytes));
+        println!("{name}: neighbours differ by {plain:.2} levels, smoothed by {smooth:.2}");
+        assert!(smooth < 0.8 * plain);
+    }
+}
+
+#[test]
+fn a_frame_of_a_large_map_is_a_tenth_of_it() {
+    let Some(gpu) = gpu() else { return };
+    let Some(sample) = Sample::freedoom("E1M5") else {
+        return;
+    };
+    let mut stage = Stage::new(&gpu, &sample, 4, SIZE);
+    let (mut shares, mut prepared, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
+    for camera in &cameras(&sample, 20) {
+        let smooth = Look {
+            smooth: true,
+            ..look(camera)
+        };
+        let unculled = Look {
+            culling: Culling::None,
+            ..look(camera)
+        };
+        let (all, _) = stage.draw(&unculled);
+        let device = (&gpu.device, &gpu.queue);
+        let clock = std::time::Instant::now();
+        let frame = (stage.scene).prepare(device, &stage.painter, &smooth, &mut stage.easel);
+        prepared.push(clock.elapsed().as_secs_f64() * 1e3);
+        let frame = frame.expect("it is on the grid");
+        let clock = std::time::Instant::now();
+        stage.draw(&smooth);
+        drawn.push(clock.elapsed().as_secs_f64() * 1e3);
+        shares.push(frame.figures.painted as f64 / all.figures.polygons as f64);
+    }
+    let median = |list: &mut Vec<f64>| {
+        list.sort_by(f64::total_cmp);
+        list[list.len() / 2]
+    };
+    let [share, prepared, drawn] = [&mut shares, &mut prepared, &mut drawn].map(median);
+    println!(
+        "E1M5: {:.2} % of its polygons in a frame; made ready in {prepared:.2} ms, drawn and read in {drawn:.1} ms",
+        share * 100.0
     );
+    assert!(share < 0.1, "{share}");
 }
