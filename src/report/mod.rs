@@ -1,8 +1,10 @@
 //! Results for people and other programs: findings, JSON, and pictures of the plan.
 
 pub mod check;
+pub mod costs;
 pub mod explain;
 pub mod json;
+pub mod page;
 pub mod picture;
 pub mod plan;
 pub mod prt;
