@@ -73,10 +73,10 @@ pub fn longest(graph: &CellGraph) -> Longest {
                 bases: bases(&plan, group),
             };
             fan.walls(stretches);
-            (
-                fan.longest(stretches, group.span),
-                fan.farthest(stretches, group.span),
-            )
+            match group.span {
+                Span::Simple => fan.from_vertex(stretches),
+                _ => (fan.longest(stretches), fan.farthest(stretches)),
+            }
         })
         .unzip();
     let mut from_cell: Vec<Option<Line>> = vec![None; graph.cells.len()];
@@ -222,8 +222,28 @@ impl Fan<'_> {
         self.graph.edge(e).cell
     }
 
-    /// The longest line through the vertex, or from it where none leads through.
-    fn longest(&self, stretches: &[Stretch], span: Span) -> Option<Line> {
+    /// In a group of at most a half turn: the longest line from the vertex, which all its cells see.
+    fn from_vertex(&self, stretches: &[Stretch]) -> (Option<Line>, Vec<Line>) {
+        let origin = self.origin();
+        let ends = stretches.iter().flat_map(|s| {
+            let hit = |ray| (self.hit(s, ray, false), s);
+            [hit(&s.low), hit(&s.high)]
+        });
+        let far = |p: &DVec2| p.distance_squared(origin);
+        let Some((to, s)) = ends.max_by(|a, b| far(&a.0).total_cmp(&far(&b.0))) else {
+            return (None, Vec::new());
+        };
+        let line = |&base: &EdgeId| Line {
+            from: origin,
+            to,
+            cells: [self.cell_of(base), self.cell_of(s.wall)],
+        };
+        let lines = self.bases.iter().map(line).collect();
+        (Some(line(&self.bases[s.base])), lines)
+    }
+
+    /// The longest line through the vertex.
+    fn longest(&self, stretches: &[Stretch]) -> Option<Line> {
         let mut best: Option<Line> = None;
         let mut offer = |from: (DVec2, CellId), to: (DVec2, CellId)| {
             let line = Line {
@@ -235,15 +255,6 @@ impl Fan<'_> {
                 best = Some(line);
             }
         };
-        if span == Span::Simple {
-            for s in stretches {
-                let start = (self.origin(), self.cell_of(self.bases[s.base]));
-                for ray in [&s.low, &s.high] {
-                    offer(start, (self.hit(s, ray, false), self.cell_of(s.wall)));
-                }
-            }
-            return best;
-        }
         let mut first = 0;
         for (i, s) in stretches.iter().enumerate() {
             first = first.max(i);
@@ -270,8 +281,8 @@ impl Fan<'_> {
         best
     }
 
-    /// For every cell of the group, the farthest point that it sees from near the vertex.
-    fn farthest(&self, stretches: &[Stretch], span: Span) -> Vec<Line> {
+    /// For every cell of a wide group, the farthest point that it sees from near the vertex.
+    fn farthest(&self, stretches: &[Stretch]) -> Vec<Line> {
         let mut far: Vec<(f64, &Stretch, &Ray, DVec2)> = Vec::with_capacity(2 * stretches.len());
         for s in stretches {
             for ray in [&s.low, &s.high] {
@@ -287,13 +298,6 @@ impl Fan<'_> {
                 cells: [self.cell_of(base), self.cell_of(s.wall)],
             });
         };
-        if span == Span::Simple {
-            let best = far.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            for (&base, best) in self.bases.iter().zip(best.into_iter().cycle()) {
-                line(base, best);
-            }
-            return lines;
-        }
         far.sort_by(|a, b| b.0.total_cmp(&a.0));
         let vertices = &self.graph.vertices;
         let within = |p: &Ray, q: &Ray| match self.side(p, q) {
