@@ -238,10 +238,10 @@ fn a_baseline_is_matched_by_place() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("is no baseline"));
 }
 
-/// Where a level's point lies on the screen, as the page says.
+/// Zooms to a cell and clicks its middle. (The coordinates of clicks are whole pixels.)
 fn click(browser: &Browser, cell: u64) {
     let script = format!(
-        "const plan = document.getElementById('plan'); plan.scrollIntoView({{block: 'center'}});\
+        "const plan = document.getElementById('plan'); plan.scrollIntoView({{block: 'center'}}); enfilade.frame({cell});\
          const m = plan.getScreenCTM(), [x, y] = enfilade.onPlan(enfilade.middle({cell}));\
          const at = {{clientX: m.a * x + m.e, clientY: m.d * y + m.f, bubbles: true, pointerId: 1}};\
          for (const kind of ['pointermove', 'pointerdown', 'pointerup']) plan.dispatchEvent(new PointerEvent(kind, at));\

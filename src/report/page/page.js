@@ -79,8 +79,9 @@
   };
 
   // ---- a line between two cells that see each other
-  // Chains of portals, depth first, among cells that both see. `lines` are those through a left and a
-  // right end that no portal so far stops; their sum, if it touches nothing, stabs the chain.
+  // First by trying: between a few points of both, the line with most room. Narrow sights are sought
+  // through chains of portals, depth first, among cells that both see. Of the lines that stab a chain the
+  // two extreme ones are kept: `ccw` from a right end to a later left end, `cw` from a left end to a right.
   const extent = Math.max(...facts.size) / facts.scale;
   const EPS = 1e-9 * extent;
   const through = (p, q) => {
@@ -88,40 +89,54 @@
     return [-dy / l, dx / l, (dy * p[0] - dx * p[1]) / l];
   };
   const value = (s, p) => s[0] * p[0] + s[1] * p[1] + s[2];
+  const points = (c) => {
+    const m = middle(c), corners = edges(c).map(start), every = Math.ceil(corners.length / 6);
+    return [m, ...corners.filter((_, k) => k % every === 0).map((p) => [m[0] + 0.8 * (p[0] - m[0]), m[1] + 0.8 * (p[1] - m[1])])];
+  };
   function witness(a, b) {
     if (a === b) return null;
-    let best = null, steps = 0;
-    const visit = (cell, lefts, rights, lines, crossed) => {
-      if (steps++ > 60000 || (best && (best.tries++ > 400 || best.found > 5))) return;
-      if (cell === b) {
-        const line = settle(a, b, lefts, rights, lines, crossed);
-        if (line && (!best || line.room > best.room)) best = { ...line, found: best ? best.found + 1 : 1, tries: best ? best.tries : 0 };
-        return;
+    let best = null;
+    for (const p of points(a)) {
+      for (const q of points(b)) {
+        const line = check(a, b, p, q);
+        if (line && (!best || line.room > best.room)) best = line;
       }
-      for (const e of edges(cell)) {
+    }
+    if (best) return best;
+    const until = performance.now() + 1500;
+    const ma = middle(a), mb = middle(b), course = through(ma, mb);
+    const off = (e) => { const p = value(course, start(e)), q = value(course, end(e)); return p * q < 0 ? 0 : Math.min(Math.abs(p), Math.abs(q)); };
+    // Of some ends, the one from which a line to `p` has no other on its wanted side.
+    const touch = (ends, p, sign) => ends.reduce((best, q) => (sign * cross(best, p, q) > 0 ? q : best));
+    const same = (p, q) => p[0] === q[0] && p[1] === q[1];
+    const visit = (cell, lefts, rights, ccw, cw, crossed) => {
+      if (best || performance.now() > until) return;
+      if (cell === b) { best = settle(a, b, lefts, rights, crossed); return; }
+      // What lies nearest to the straight way comes first.
+      for (const e of edges(cell).sort((p, q) => off(p) - off(q))) {
         if (twin[e] === WALL || crossed.includes(twin[e])) continue;
         const to = cellOf[twin[e]];
         if (!sees(a, to) || !sees(to, b)) continue;
         const right = start(e), left = end(e);
-        let more = lines.filter((s) => value(s, left) > -EPS && value(s, right) < EPS);
-        const passes = (s) => lefts.every((p) => value(s, p) > -EPS) && rights.every((p) => value(s, p) < EPS);
-        for (let k = 0; k < lefts.length; k++) {
-          for (const [p, q] of [[rights[k], left], [lefts[k], right]]) {
-            if (Math.hypot(p[0] - q[0], p[1] - q[1]) < EPS) continue;
-            const s = through(p, q);
-            if (value(s, left) > -EPS && value(s, right) < EPS && passes(s)) more.push(s);
-          }
+        let nextCcw = ccw, nextCw = cw;
+        if (crossed.length === 1) {
+          if (!same(rights[0], left)) nextCcw = through(rights[0], left);
+          if (!same(lefts[0], right)) nextCw = through(lefts[0], right);
+        } else if (crossed.length > 1) {
+          // Ends that the portal shares with the one before bound the lines already.
+          if (!same(left, lefts[lefts.length - 1]) && value(cw, left) < EPS) continue;
+          if (!same(right, rights[rights.length - 1]) && value(ccw, right) > -EPS) continue;
+          if (value(ccw, left) < -EPS) nextCcw = through(touch(rights, left, 1), left);
+          if (value(cw, right) > EPS) nextCw = through(touch(lefts, right, -1), right);
         }
-        if (lefts.length && !more.length) continue;
-        if (more.length > 40) more = more.filter((_, k) => k % 2 === 0);
-        visit(to, [...lefts, left], [...rights, right], more, [...crossed, e]);
-        if (steps > 60000) return;
+        visit(to, [...lefts, left], [...rights, right], nextCcw, nextCw, [...crossed, e]);
+        if (best) return;
       }
     };
-    visit(a, [], [], [], []);
+    visit(a, [], [], null, null, []);
     return best;
   }
-  const settle = (a, b, lefts, rights, lines, crossed) => {
+  const settle = (a, b, lefts, rights, crossed) => {
     if (crossed.length === 1) {
       // Neighbours: through the middle of their portal, from one middle towards the other.
       const e = crossed[0], p = start(e), q = end(e), m = [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
@@ -135,7 +150,15 @@
       }
       return check(a, b, ma, mb);
     }
-    const s = [0, 1, 2].map((k) => lines.reduce((sum, l) => sum + l[k], 0));
+    // Every stabbing line is a sum of lines through a left and a right end that no portal stops; the sum
+    // of all of them touches nothing.
+    const s = [0, 0, 0];
+    const add = (p, q) => {
+      if (p[0] === q[0] && p[1] === q[1]) return;
+      const line = through(p, q);
+      if (lefts.every((x) => value(line, x) > -EPS) && rights.every((x) => value(line, x) < EPS)) line.forEach((x, k) => { s[k] += x; });
+    };
+    for (let j = 0; j < lefts.length; j++) for (let i = 0; i < j; i++) { add(rights[i], lefts[j]); add(lefts[i], rights[j]); }
     const l = Math.hypot(s[0], s[1]);
     if (!(l > 0)) return null;
     const unit = s.map((x) => x / l);
@@ -315,9 +338,20 @@
     return [m.a * event.clientX + m.e, m.d * event.clientY + m.f];
   };
   const reveal = (c) => {
-    const [x, y] = onPlan(middle(c));
+    const [x, y] = onPlan(middle(c)), corners = edges(c).map((e) => onPlan(start(e)));
+    const reach = Math.max(...corners.map((p) => Math.hypot(p[0] - x, p[1] - y)));
+    if (reach * plan.clientWidth < 5 * view[2]) return setView([x - 15 * reach, y - 15 * reach * facts.size[1] / facts.size[0], 30 * reach]);
     if (x < view[0] || x > view[0] + view[2] || y < view[1] || y > view[1] + view[3])
       setView([x - view[2] / 2, y - view[3] / 2, view[2]]);
+  };
+
+  // Shows a cell large enough to be clicked.
+  const frame = (c) => {
+    const corners = edges(c).map((e) => onPlan(start(e))), [x, y] = onPlan(middle(c));
+    const reach = Math.max(...corners.map((p) => Math.max(Math.abs(p[0] - x), Math.abs(p[1] - y))));
+    const least = Math.min(...edges(c).map((e) => Math.abs(value(through(start(e), end(e)), middle(c))))) * facts.scale;
+    const w = Math.min(facts.size[0], Math.max(4 * reach, Math.min(60 * least, 20 * reach)));
+    setView([x - w / 2, y - w * facts.size[1] / facts.size[0] / 2, w]);
   };
 
   // ---- mouse, touch, keys
@@ -507,6 +541,6 @@
   }
 
   // For tests, and for whoever wants to know on the console.
-  window.enfilade = { state, sees, seenFrom, witness, cellAt, middle, onPlan, pick, pickSecond, clear, way };
+  window.enfilade = { state, sees, seenFrom, witness, cellAt, middle, onPlan, pick, pickSecond, clear, way, frame };
   document.documentElement.dataset.ready = "yes";
 })();
