@@ -247,7 +247,10 @@ fn say(args: &ReportArgs, costs: &Costs, checks: &[Check]) -> Result<()> {
     if !args.quiet {
         for gap in costs.gaps.iter().take(3).filter(|g| g.pairs > 0) {
             let share = gap.share * 100.0;
-            text += &format!("closing the {}: mean visible set -{share:.1} %\n", gap.title);
+            text += &format!(
+                "closing the {}: mean visible set -{share:.1} %\n",
+                gap.title
+            );
         }
     }
     let outputs = [&args.output, &args.json, &args.junit].map(|p| p.as_deref());

@@ -113,12 +113,7 @@ pub struct Common<'a> {
 impl<'a> Common<'a> {
     /// Of a graph with its exact PVS on the plan; `openings` are some of [`openings`]. Uses the current
     /// rayon thread pool; the result does not depend on its size.
-    pub fn of(
-        graph: &CellGraph,
-        pvs: &'a Pvs,
-        openings: &[Opening],
-        progress: &Progress,
-    ) -> Self {
+    pub fn of(graph: &CellGraph, pvs: &'a Pvs, openings: &[Opening], progress: &Progress) -> Self {
         let plan = plan(graph);
         let mesh = FlatMesh::new(graph);
         let marks = marks(graph, openings);
@@ -134,7 +129,9 @@ impl<'a> Common<'a> {
                 progress.advance(chunk.len());
             },
         );
-        let sets = sets.into_inner().map_or_else(|e| e.into_inner().list, |s| s.list);
+        let sets = sets
+            .into_inner()
+            .map_or_else(|e| e.into_inner().list, |s| s.list);
         Common {
             pairs,
             sets,
@@ -153,7 +150,9 @@ impl<'a> Common<'a> {
     }
 
     fn set(&self, slot: &AtomicU32) -> &[u32] {
-        self.sets.get(slot.load(Relaxed) as usize).map_or(&[], |s| s)
+        self.sets
+            .get(slot.load(Relaxed) as usize)
+            .map_or(&[], |s| s)
     }
 
     /// What closing each opening would hide over the whole level. `weigh` says what it counts that two
@@ -610,7 +609,11 @@ impl<'a> Sweep<'a> {
                 continue;
             }
             let single = self.algebra.single(mark);
-            let way = if (i..j).contains(&k) { &mut inner } else { &mut outer };
+            let way = if (i..j).contains(&k) {
+                &mut inner
+            } else {
+                &mut outer
+            };
             *way = self.algebra.union(*way, single);
         }
         if self.ring {
@@ -671,12 +674,16 @@ impl<'a> Sweep<'a> {
         let end = self.events.iter().rposition(own).unwrap_or(0);
         let vertices = &graph.vertices;
         let within = |side: Side, p: VertexId, q: VertexId| {
-            side == Side::Left
-                || (side == Side::On && vertices.same_direction(self.vertex, p, q))
+            side == Side::Left || (side == Side::On && vertices.same_direction(self.vertex, p, q))
         };
         let mut seen: SmallVec<[u32; 64]> = SmallVec::new();
         let enters = |e: &&Event| e.enters;
-        seen.extend(self.events[begin..end].iter().filter(enters).map(|e| e.sector));
+        seen.extend(
+            self.events[begin..end]
+                .iter()
+                .filter(enters)
+                .map(|e| e.sector),
+        );
         for e in self.events[..begin].iter().rev().filter(|e| !e.enters) {
             if !within(self.side(&e.ray, &first), e.ray.to, first.to) {
                 break;
@@ -697,8 +704,10 @@ impl<'a> Sweep<'a> {
     /// Rule 2 of the sweep: cells met on opposite sides of the vertex by one free line through it.
     fn pair_opposites(&mut self) {
         let events = std::mem::take(&mut self.events);
-        let (mut ahead, mut behind) =
-            (std::mem::take(&mut self.ahead), std::mem::take(&mut self.behind));
+        let (mut ahead, mut behind) = (
+            std::mem::take(&mut self.ahead),
+            std::mem::take(&mut self.behind),
+        );
         let apply = |stack: &mut Vec<u32>, event: &Event| match event.enters {
             true => stack.push(event.sector),
             false => _ = stack.pop(),
@@ -777,7 +786,14 @@ impl<'a> Sweep<'a> {
         let one = self.sectors[sector as usize];
         for &other in others {
             let other = self.sectors[other as usize];
-            self.prove(one.cell, other.cell, one.passed, other.passed, one.base, other.base);
+            self.prove(
+                one.cell,
+                other.cell,
+                one.passed,
+                other.passed,
+                one.base,
+                other.base,
+            );
         }
     }
 }
@@ -849,7 +865,9 @@ mod tests {
         let graph = subdivide(&level, &Options::default());
         let openings = openings(&graph);
         assert_eq!(openings.len(), 1);
-        let ends = openings[0].ends.map(|v| graph.vertices.exact(v).to_level(&graph.grid));
+        let ends = openings[0]
+            .ends
+            .map(|v| graph.vertices.exact(v).to_level(&graph.grid));
         assert!(ends.iter().all(|p| p.x == 4.0) && (ends[0].y - ends[1].y).abs() == 1.0);
     }
 

@@ -154,12 +154,7 @@ impl Fan<'_> {
 
     /// The walls seen through portals, each given by the edge of the cell beyond and the directions
     /// that lead through it. (A wall that was met is put off as its own edge, to keep the order.)
-    fn beyond(
-        &self,
-        open: &mut Vec<(u32, Ray, Ray)>,
-        base: usize,
-        stretches: &mut Vec<Stretch>,
-    ) {
+    fn beyond(&self, open: &mut Vec<(u32, Ray, Ray)>, base: usize, stretches: &mut Vec<Stretch>) {
         const MET: u32 = 1 << 31;
         while let Some((entry, low, high)) = open.pop() {
             if entry & MET != 0 {
@@ -348,7 +343,10 @@ mod tests {
             let best = longest(&graph).lines[0];
             graph.grid.step.to_units(best.length())
         });
-        assert!(lengths.iter().all(|l| (l - lengths[0]).abs() < 1e-9 * l), "{lengths:?}");
+        assert!(
+            lengths.iter().all(|l| (l - lengths[0]).abs() < 1e-9 * l),
+            "{lengths:?}"
+        );
         lengths[0]
     }
 
@@ -369,11 +367,19 @@ mod tests {
                 let right = 6.0f64.min(if m > 0.0 { (4.0 - jamb) / m } else { -jamb / m });
                 (left + right) * (1.0 + m * m).sqrt()
             };
-            (1..40_000).map(|k| f64::from(k) * 1e-4 - 2.0).map(reach).fold(0.0, f64::max)
+            (1..40_000)
+                .map(|k| f64::from(k) * 1e-4 - 2.0)
+                .map(reach)
+                .fold(0.0, f64::max)
         };
-        let best = by_hand(1.5).max(by_hand(2.5)).max((100.0f64 + 16.0).sqrt() * 0.0);
+        let best = by_hand(1.5)
+            .max(by_hand(2.5))
+            .max((100.0f64 + 16.0).sqrt() * 0.0);
         let found = longest_in(ROOMS);
-        assert!(found >= best - 1e-9 && found < best + 1e-3, "{found} against {best}");
+        assert!(
+            found >= best - 1e-9 && found < best + 1e-3,
+            "{found} against {best}"
+        );
     }
 
     #[test]
@@ -416,6 +422,9 @@ mod tests {
             // corners lie around.
             assert!(found.from_cell[cell.0 as usize].is_some());
         }
-        assert!(free > 1000 && longest_free > 0.6 * best.length(), "{free} {longest_free}");
+        assert!(
+            free > 1000 && longest_free > 0.6 * best.length(),
+            "{free} {longest_free}"
+        );
     }
 }

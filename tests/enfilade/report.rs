@@ -55,7 +55,10 @@ fn report(level: &Path, further: &[&str]) -> Reported {
 fn freedoom(path: &'static str) -> Option<&'static Path> {
     let path = Path::new(path);
     if !path.exists() {
-        assert!(std::env::var_os("CI").is_none(), "freedoom is not installed");
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "freedoom is not installed"
+        );
         println!("{} is not there: a report of it is skipped", path.display());
         return None;
     }
@@ -106,7 +109,10 @@ fn openings_save_what_the_report_says(path: &Path, map: Option<&str>) {
         assert_eq!(gap["pairs"], pairs, "{title}");
         let near = |key: &str, wanted: f64| {
             let said = gap[key].as_f64().unwrap();
-            assert!((said - wanted).abs() <= 1e-9, "{title}: {key} {said}, not {wanted}");
+            assert!(
+                (said - wanted).abs() <= 1e-9,
+                "{title}: {key} {said}, not {wanted}"
+            );
         };
         near("share", pairs as f64 / pvs.pairs() as f64);
         if polygons > 0.0 {
@@ -144,14 +150,20 @@ fn sums_are_those_of_the_visible_sets() {
     for (cell, row) in cells.iter().zip(visible) {
         let row = row.as_array().unwrap();
         for key in ["cells", "polygons", "walls", "area", "wall_length"] {
-            let own = |i: &Value| cells[i.as_u64().unwrap() as usize]["own"][key].as_f64().unwrap();
+            let own = |i: &Value| {
+                cells[i.as_u64().unwrap() as usize]["own"][key]
+                    .as_f64()
+                    .unwrap()
+            };
             let sum: f64 = row.iter().map(own).sum();
             let said = cell["seen"][key].as_f64().unwrap();
             assert!((sum - said).abs() <= 1e-9 * sum, "{key}: {said}, not {sum}");
         }
         for other in row {
             let other = &cells[other.as_u64().unwrap() as usize];
-            *by_room.entry((cell["room"].as_u64(), other["room"].as_u64())).or_insert(0u64) += 1;
+            *by_room
+                .entry((cell["room"].as_u64(), other["room"].as_u64()))
+                .or_insert(0u64) += 1;
         }
     }
     let mut n = 0;
@@ -176,17 +188,33 @@ fn budgets_decide_the_exit_status() {
     assert_eq!(kept.status.code(), Some(0));
     let text = String::from_utf8_lossy(&kept.stdout);
     assert!(text.contains("within budget: max_visible_cells"), "{text}");
-    let over = run(&["--max-visible-cells", "1", "--max-sightline", "0.5", "--quiet"]);
+    let over = run(&[
+        "--max-visible-cells",
+        "1",
+        "--max-sightline",
+        "0.5",
+        "--quiet",
+    ]);
     assert_eq!(over.status.code(), Some(1));
     let text = String::from_utf8_lossy(&over.stdout);
     assert_eq!(text.lines().count(), 2, "{text}");
     assert!(text.contains("over budget: max_visible_cells"), "{text}");
     let folder = TempDir::new().unwrap();
     let junit = folder.path().join("budget.xml");
-    let over = run(&["--max-visible-cells", "1", "--max-density", "1", "--junit", junit.to_str().unwrap()]);
+    let over = run(&[
+        "--max-visible-cells",
+        "1",
+        "--max-density",
+        "1",
+        "--junit",
+        junit.to_str().unwrap(),
+    ]);
     assert_eq!(over.status.code(), Some(1));
     let xml = fs::read_to_string(junit).unwrap();
-    assert!(xml.contains("tests=\"2\"") && xml.contains("failures=\"1\""), "{xml}");
+    assert!(
+        xml.contains("tests=\"2\"") && xml.contains("failures=\"1\""),
+        "{xml}"
+    );
     // In the level's own file.
     let own = folder.path().join("own.toml");
     let text = fs::read_to_string(level("tiny.toml")).unwrap();
@@ -196,7 +224,10 @@ fn budgets_decide_the_exit_status() {
     assert_eq!(output.status.code(), Some(1));
     // What is given on the command line comes first.
     let mut command = Command::cargo_bin("enfilade").expect("the program is built");
-    command.arg("report").arg(&own).args(["--max-visible-cells", "999"]);
+    command
+        .arg("report")
+        .arg(&own)
+        .args(["--max-visible-cells", "999"]);
     assert_eq!(command.output().unwrap().status.code(), Some(0));
 }
 
@@ -219,10 +250,17 @@ fn a_baseline_is_matched_by_place() {
     let comparison = &after["comparison"];
     assert_eq!(comparison["mean_ground_before"], 40.0);
     // In A, 16 of 40 square metres, one sees 16; in B, 24.
-    assert!((comparison["mean_ground_after"].as_f64().unwrap() - (16.0 * 16.0 + 24.0 * 24.0) / 40.0).abs() < 1e-9);
+    assert!(
+        (comparison["mean_ground_after"].as_f64().unwrap() - (16.0 * 16.0 + 24.0 * 24.0) / 40.0)
+            .abs()
+            < 1e-9
+    );
     assert_eq!(list(comparison, "grown").len(), 0);
     assert_eq!(list(comparison, "shrunk")[0]["lost"], 24.0);
-    assert_eq!(comparison["changed"], after["cells"].as_array().unwrap().len());
+    assert_eq!(
+        comparison["changed"],
+        after["cells"].as_array().unwrap().len()
+    );
     // The report before has said so.
     let gap = &before.json["openings"][0];
     let predicted = 1.0 - gap["ground_share"].as_f64().unwrap();
@@ -232,7 +270,11 @@ fn a_baseline_is_matched_by_place() {
     let wrong = folder.path().join("wrong.json");
     fs::write(&wrong, "{\"format\": \"enfilade.walk\"}").unwrap();
     let mut command = Command::cargo_bin("enfilade").expect("the program is built");
-    command.arg("report").arg(&open).arg("--baseline").arg(&wrong);
+    command
+        .arg("report")
+        .arg(&open)
+        .arg("--baseline")
+        .arg(&wrong);
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("is no baseline"));
@@ -327,7 +369,9 @@ fn sightlines_of_the_page_are_free() {
             continue;
         }
         asked += 1;
-        let line = browser.run(&format!("const l = enfilade.witness({a}, {b}); return l && [l.from, l.to]"));
+        let line = browser.run(&format!(
+            "const l = enfilade.witness({a}, {b}); return l && [l.from, l.to]"
+        ));
         if line.is_null() {
             continue;
         }
@@ -346,7 +390,10 @@ fn sightlines_of_the_page_are_free() {
         assert_eq!(last.map(|e| graph.edge(e).cell), Some(CellId(b as u32)));
     }
     println!("{found} of {asked} sightlines found by the page");
-    assert!(asked > 50 && found * 100 >= asked * 97, "{found} of {asked}");
+    assert!(
+        asked > 50 && found * 100 >= asked * 97,
+        "{found} of {asked}"
+    );
 }
 
 #[test]
@@ -356,14 +403,21 @@ fn the_page_in_both_schemes_and_on_a_phone() {
         return;
     };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    for (name, scheme, width) in [("light", "light", 1200), ("dark", "dark", 1200), ("phone", "light", 390)] {
+    for (name, scheme, width) in [
+        ("light", "light", 1200),
+        ("dark", "dark", 1200),
+        ("phone", "light", 390),
+    ] {
         browser.prefer(scheme);
         browser.resize(width, 900);
         browser.open(&reported.page);
         wait_until_ready(&browser);
         browser.run("enfilade.pick(3); document.getElementById('plan-section').scrollIntoView()");
         let wide = browser.run("return document.documentElement.scrollWidth - innerWidth");
-        assert!(wide.as_f64().unwrap() <= 0.0, "{name}: {wide} pixels too wide");
+        assert!(
+            wide.as_f64().unwrap() <= 0.0,
+            "{name}: {wide} pixels too wide"
+        );
         let picture = browser.screenshot();
         let png = base64::Engine::decode(&base64::prelude::BASE64_STANDARD, picture).unwrap();
         fs::write(folder.join(format!("report-{name}.png")), &png).unwrap();
@@ -379,8 +433,15 @@ fn the_page_in_both_schemes_and_on_a_phone() {
 fn check_accessibility(browser: &Browser, name: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/axe.min.js");
     let Ok(axe) = fs::read_to_string(&path) else {
-        assert!(std::env::var_os("CI").is_none(), "{} is not there", path.display());
-        println!("{} is not there: accessibility is not checked", path.display());
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "{} is not there",
+            path.display()
+        );
+        println!(
+            "{} is not there: accessibility is not checked",
+            path.display()
+        );
         return;
     };
     browser.run(&axe);
@@ -407,7 +468,10 @@ fn a_large_map_stays_small_and_quick() {
     let reported = report(path, &["--map", "MAP12"]);
     let seconds = began.elapsed().as_secs_f64();
     let bytes = fs::metadata(&reported.page).unwrap().len();
-    println!("MAP12: report in {seconds:.1} s, page of {:.2} MB", bytes as f64 / 1e6);
+    println!(
+        "MAP12: report in {seconds:.1} s, page of {:.2} MB",
+        bytes as f64 / 1e6
+    );
     assert!(bytes <= 10_000_000, "{bytes} bytes");
     let Some(browser) = Browser::start("the page of a large map") else {
         return;
@@ -420,7 +484,10 @@ fn a_large_map_stays_small_and_quick() {
          const began = performance.now(); enfilade.pick(100); const picked = performance.now();\
          return [t && t.startTime, picked - began]",
     );
-    println!("MAP12: first paint after {} ms, a choice takes {} ms", times[0], times[1]);
+    println!(
+        "MAP12: first paint after {} ms, a choice takes {} ms",
+        times[0], times[1]
+    );
     let row = browser.run("return enfilade.seenFrom(100)");
     assert_eq!(row, list(&reported.json, "visible")[100]);
     assert_eq!(browser.complaints(), Vec::<String>::new());

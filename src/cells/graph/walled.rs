@@ -96,9 +96,7 @@ impl CellGraph {
             for k in 0..=parts {
                 let is_wall = walled[i].get(k).copied().unwrap_or(false);
                 let twin = match old.twin() {
-                    Some(twin) if !is_wall => {
-                        EdgeId(place[twin.0 as usize] + (parts - k) as u32)
-                    }
+                    Some(twin) if !is_wall => EdgeId(place[twin.0 as usize] + (parts - k) as u32),
                     _ => EdgeId::NONE,
                 };
                 let origin = if k == 0 { old.origin } else { inner[i][k - 1] };
@@ -182,6 +180,11 @@ impl Through {
         } else {
             (p.cmp_y(q), course.y > 0.0)
         };
-        order == if forth { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater }
+        order
+            == if forth {
+                std::cmp::Ordering::Less
+            } else {
+                std::cmp::Ordering::Greater
+            }
     }
 }

@@ -60,7 +60,11 @@ pub fn of_worst(costs: &Costs, world: &World) -> Vec<Option<Vec<u8>>> {
         let chamber = world.space.cell(cell.0);
         let [x, y] = {
             let middle = crate::pvs::explain::middle(costs.graph, cell);
-            costs.graph.grid.offset_to_level(middle.x, middle.y).to_array()
+            costs
+                .graph
+                .grid
+                .offset_to_level(middle.x, middle.y)
+                .to_array()
         };
         let z = (chamber.floor + person.eye).min((chamber.floor + chamber.ceiling) / 2.0);
         let eye = DVec3::new(x, y, z.max(chamber.floor));
@@ -74,7 +78,11 @@ pub fn of_worst(costs: &Costs, world: &World) -> Vec<Option<Vec<u8>>> {
 }
 
 fn paint(painter: &Painter, eye: DVec3, ahead: DVec3) -> Option<Vec<u8>> {
-    let ahead = if ahead == DVec3::ZERO { DVec3::X } else { ahead };
+    let ahead = if ahead == DVec3::ZERO {
+        DVec3::X
+    } else {
+        ahead
+    };
     let camera = Camera::new(eye, ahead.normalize(), FOV, SIZE);
     let options = preview::Options {
         culling: Culling::Eye,
@@ -114,12 +122,10 @@ pub fn reveals(costs: &Costs, world: Option<&World>, wants_tour: bool) -> Vec<Re
             tracks.push((name, tour.track(&options)));
         }
     }
-    let painter =
-        world.and_then(|w| Painter::new(w, costs.graph, costs.pvs, Finish::Textured));
+    let painter = world.and_then(|w| Painter::new(w, costs.graph, costs.pvs, Finish::Textured));
     let lookout = Lookout::new(graph);
-    let reveal = |(name, track): &(String, Track)| {
-        reveal(costs, name, track, &lookout, painter.as_ref())
-    };
+    let reveal =
+        |(name, track): &(String, Track)| reveal(costs, name, track, &lookout, painter.as_ref());
     tracks.par_iter().filter_map(reveal).collect()
 }
 

@@ -13,8 +13,8 @@ use super::super::scene::{
 use super::error::TomlError;
 use super::names::Names;
 use super::record::{
-    BudgetTable, CameraTable, File, Finite, LightKind, LightTable, MaterialTable, ObjectKind, ObjectTable,
-    PathTable, Point3, Positive,
+    BudgetTable, CameraTable, File, Finite, LightKind, LightTable, MaterialTable, ObjectKind,
+    ObjectTable, PathTable, Point3, Positive,
 };
 use super::source::SourceText;
 

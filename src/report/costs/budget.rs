@@ -41,18 +41,30 @@ pub fn joined(first: &Budget, own: &Budget) -> Budget {
 pub fn check(costs: &Costs, budget: &Budget) -> Vec<Check> {
     let mut checks = Vec::new();
     for (name, limit, measure) in [
-        ("max_visible_cells", budget.max_visible_cells, Measure::Cells),
+        (
+            "max_visible_cells",
+            budget.max_visible_cells,
+            Measure::Cells,
+        ),
         (
             "max_visible_polygons",
             budget.max_visible_polygons,
             Measure::Polygons,
         ),
-        ("max_visible_walls", budget.max_visible_walls, Measure::Walls),
+        (
+            "max_visible_walls",
+            budget.max_visible_walls,
+            Measure::Walls,
+        ),
     ] {
         let Some(limit) = limit else { continue };
         let limit = limit as f64;
         let value = |c: &CellId| costs.value(measure, *c);
-        let mut over: Vec<CellId> = costs.graph.cell_ids().filter(|c| value(c) > limit).collect();
+        let mut over: Vec<CellId> = costs
+            .graph
+            .cell_ids()
+            .filter(|c| value(c) > limit)
+            .collect();
         over.sort_by(|a, b| value(b).total_cmp(&value(a)));
         checks.push(Check {
             name,

@@ -144,7 +144,9 @@ pub fn of(
             .collect();
         openings.sort_by(|a, b| {
             let key = |h: &Hides| (h.polygons, h.cells);
-            key(b).partial_cmp(&key(a)).unwrap_or(std::cmp::Ordering::Equal)
+            key(b)
+                .partial_cmp(&key(a))
+                .unwrap_or(std::cmp::Ordering::Equal)
         });
         openings.truncate(LISTED);
         let middle = crate::pvs::explain::middle(graph, cell);

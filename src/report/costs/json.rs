@@ -43,7 +43,11 @@ impl Totals {
             own,
             mean_cells: costs.spread(Measure::Cells).mean,
             mean_polygons: costs.spread(Measure::Polygons).mean,
-            mean_ground: if own.area > 0.0 { ground / own.area } else { 0.0 },
+            mean_ground: if own.area > 0.0 {
+                ground / own.area
+            } else {
+                0.0
+            },
             density: costs.pvs.density(),
             longest_sightline: costs.longest_sightline(),
         }
@@ -131,7 +135,10 @@ impl Serialize for Document<'_> {
         if let Some(comparison) = self.comparison {
             map.serialize_entry("comparison", comparison)?;
         }
-        map.serialize_entry("cells", &each(graph.cell_ids().map(|c| cell(self.costs, c))))?;
+        map.serialize_entry(
+            "cells",
+            &each(graph.cell_ids().map(|c| cell(self.costs, c))),
+        )?;
         let portals = graph.portals.iter().map(|p| json::portal(graph, p));
         map.serialize_entry("portals", &each(portals))?;
         let row = |id| each(pvs.seen_from(id).map(|c| c.0));

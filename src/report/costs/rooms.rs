@@ -37,13 +37,7 @@ pub struct Rooms {
 
 impl Rooms {
     /// The rooms of a level.
-    pub fn of(
-        level: &Level,
-        graph: &CellGraph,
-        pvs: &Pvs,
-        own: &[Tally],
-        seen: &[Tally],
-    ) -> Self {
+    pub fn of(level: &Level, graph: &CellGraph, pvs: &Pvs, own: &[Tally], seen: &[Tally]) -> Self {
         let key = |cell| graph.cell(cell).sector.map_or(u32::MAX, |s| s.0);
         let mut keys: Vec<u32> = graph.cell_ids().map(key).collect();
         keys.sort_unstable();

@@ -29,9 +29,9 @@ pub fn facts(report: &Report, sheet: &Sheet) -> String {
             "steps": super::plan::steps(costs, m),
         })
     });
-    let gaps = costs.gaps.iter().map(|g| {
-        json!({ "title": g.title, "segment": g.segment, "cells": g.cells, "share": g.share })
-    });
+    let gaps = costs.gaps.iter().map(
+        |g| json!({ "title": g.title, "segment": g.segment, "cells": g.cells, "share": g.share }),
+    );
     let lanes = costs.lanes.iter().map(|l| json!([l.from, l.to]));
     let walks = report.reveals.iter().map(|r| &r.line);
     let value = json!({

@@ -33,7 +33,10 @@ pub struct Sheet {
 impl Sheet {
     /// A plan that holds all cells.
     pub fn of(graph: &CellGraph) -> Self {
-        let points = graph.vertices.iter().map(|v: &Vertex| v.to_level(&graph.grid));
+        let points = graph
+            .vertices
+            .iter()
+            .map(|v: &Vertex| v.to_level(&graph.grid));
         let (low, high) = points.fold((DVec2::MAX, DVec2::MIN), |(low, high), p| {
             (low.min(p), high.max(p))
         });
@@ -92,7 +95,10 @@ fn round_steps(most: f64, whole: bool) -> Vec<f64> {
 
 /// The class of a value.
 pub fn class(steps: &[f64], value: f64) -> usize {
-    steps.iter().position(|s| value <= *s).unwrap_or(CLASSES - 1)
+    steps
+        .iter()
+        .position(|s| value <= *s)
+        .unwrap_or(CLASSES - 1)
 }
 
 /// The unit after a measure's numbers, if it has one.

@@ -45,7 +45,11 @@ pub fn lede(report: &Report) -> Markup {
     let costs = report.costs;
     let measure = costs.main_measure();
     let spread = costs.spread(measure);
-    let what = if measure == Measure::Polygons { "polygons" } else { "cells" };
+    let what = if measure == Measure::Polygons {
+        "polygons"
+    } else {
+        "cells"
+    };
     let all = costs.total().get(measure);
     html! {
         p.lede {
@@ -73,7 +77,11 @@ pub fn contents(report: &Report) -> Markup {
     if !report.reveals.is_empty() {
         links.push(("reveals", "Walks"));
     }
-    links.extend([("rooms", "Rooms"), ("findings", "Findings"), ("method", "Method")]);
+    links.extend([
+        ("rooms", "Rooms"),
+        ("findings", "Findings"),
+        ("method", "Method"),
+    ]);
     html! { nav.contents aria-label="Sections" { @for (id, name) in links { a href=(format!("#{id}")) { (name) } " " } } }
 }
 
@@ -114,10 +122,20 @@ pub fn overview(report: &Report) -> Markup {
         ("gaps between walls", grouped(costs.gaps.len() as u64)),
         ("polygons", number(total.polygons)),
         ("ground", wording::area(level, total.area)),
-        ("walls", format!("{} {}", number(total.wall_length), wording::unit(level))),
+        (
+            "walls",
+            format!("{} {}", number(total.wall_length), wording::unit(level)),
+        ),
         ("visible pairs", grouped(pvs.pairs())),
         ("density", percent(pvs.density())),
-        ("longest sightline", format!("{} {}", number(costs.longest_sightline()), wording::unit(level))),
+        (
+            "longest sightline",
+            format!(
+                "{} {}",
+                number(costs.longest_sightline()),
+                wording::unit(level)
+            ),
+        ),
     ];
     html! {
         section id="overview" aria-labelledby="overview-title" {
@@ -143,7 +161,11 @@ fn distribution(costs: &Costs, measure: Measure) -> Markup {
     }
     let most = counts.iter().copied().max().unwrap_or(1).max(1);
     let unit = unit_of(costs, measure);
-    let words: Vec<String> = counts.iter().zip(&steps).map(|(n, s)| format!("{n} up to {}", number(*s))).collect();
+    let words: Vec<String> = counts
+        .iter()
+        .zip(&steps)
+        .map(|(n, s)| format!("{n} up to {}", number(*s)))
+        .collect();
     html! {
         tr {
             th scope="row" { (measure.title()) @if !unit.is_empty() { small { (unit) } } }
@@ -271,7 +293,10 @@ fn dear(report: &Report, place: &Worst, png: Option<&[u8]>) -> Markup {
     let costs = report.costs;
     let seen = &place.seen;
     let at = place.point.map(|x| wording::coordinate(costs.level, x));
-    let title = place.room.clone().unwrap_or_else(|| format!("cell {}", place.cell));
+    let title = place
+        .room
+        .clone()
+        .unwrap_or_else(|| format!("cell {}", place.cell));
     html! { li {
         (picture(png, &format!("What one sees in {title}")))
         div {
@@ -404,7 +429,12 @@ fn revealed(moment: &Moment, level: &crate::level::Level, ground: f64) -> Markup
 
 fn listed(names: &[String]) -> String {
     const SHOWN: usize = 8;
-    let mut text = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    let mut text = names
+        .iter()
+        .take(SHOWN)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join(", ");
     if names.len() > SHOWN {
         text += &format!(" and {} more", names.len() - SHOWN);
     }
@@ -417,7 +447,12 @@ pub fn rooms(report: &Report) -> Markup {
     let list = &costs.rooms.list;
     let measure = costs.main_measure();
     let mut order: Vec<usize> = (0..list.len()).collect();
-    order.sort_by(|&a, &b| list[b].mean.get(measure).total_cmp(&list[a].mean.get(measure)));
+    order.sort_by(|&a, &b| {
+        list[b]
+            .mean
+            .get(measure)
+            .total_cmp(&list[a].mean.get(measure))
+    });
     let few = list.len() <= MATRIX;
     let mut in_matrix: Vec<usize> = order.iter().copied().take(MATRIX).collect();
     if few {
