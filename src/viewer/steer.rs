@@ -1,10 +1,14 @@
 //! Keys and mouse: where the eye goes, and what is switched on and off.
 
 use eframe::egui;
-use egui::{Key, Ui};
+use egui::{Event, Key, Ui};
+use glam::DVec2;
 
 use super::app::{App, View};
 use super::walker::{Input, Mode};
+
+/// Radians that the view turns for each step of the mouse.
+const MOUSE: f64 = 0.0025;
 
 impl App {
     /// Moves the eye as the keys say.
@@ -15,6 +19,19 @@ impl App {
         let Some(document) = self.document.clone() else {
             return;
         };
+        if self.captured {
+            let moved = ui.input(|i| {
+                let moves = i.events.iter().filter_map(|event| match event {
+                    Event::MouseMoved(by) => Some(DVec2::new(f64::from(by.x), f64::from(by.y))),
+                    _ => None,
+                });
+                moves.sum::<DVec2>()
+            });
+            self.look -= moved * MOUSE;
+            if !ui.input(|i| i.focused) {
+                self.capture(false);
+            }
+        }
         let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
         let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
         let input = Input {
@@ -76,6 +93,15 @@ impl App {
         if pressed(Key::H) {
             self.settings.heat = !self.settings.heat;
         }
+        if pressed(Key::L) {
+            self.settings.sightlines = !self.settings.sightlines;
+        }
+        if pressed(Key::O) {
+            self.settings.outlines = !self.settings.outlines;
+        }
+        if pressed(Key::R) {
+            self.record();
+        }
         if pressed(Key::T) {
             self.settings.textured = !self.settings.textured;
         }
@@ -88,9 +114,11 @@ impl App {
         if pressed(Key::F5) {
             self.reload();
         }
-        if pressed(Key::Escape) {
+        if pressed(Key::Escape) && self.captured {
+            self.capture(false);
+        } else if pressed(Key::Escape) {
             (self.source, self.second, self.explained) = (None, None, None);
-            (self.mark, self.error) = (None, None);
+            (self.mark, self.error, self.note) = (None, None, None);
             self.settings.help = false;
         }
     }
