@@ -15,6 +15,8 @@ use enfilade::viewer::app::{Tab, View};
 use enfilade::viewer::methods::Contender;
 use enfilade::viewer::walker::Mode;
 use glam::DVec3;
+use image::DynamicImage;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
 /// Of each picture, in points; two of the points make no sharper text, but four times the bytes.
 const SIZE: [f32; 2] = [1360.0, 800.0];
@@ -29,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut window = open("levels/gallery.toml".into(), None)?;
     window.state_mut().settings.view = View::Both;
+    window.state_mut().settings.stops = Some(0.7);
     window.state_mut().settings.tab = Tab::Effects;
     until(&mut window, "a traced picture", |app| {
         app.traced.as_ref().is_some_and(|(_, t)| t.done)
@@ -43,6 +46,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     app.ask_why_of(own, far);
     until(&mut window, "an explanation", |app| {
         app.explanation().is_some()
+    })?;
+    let line = window.state().explanation().and_then(|e| e.rise);
+    window.state_mut().look_along(line.ok_or("no sightline")?);
+    window.run_steps(4);
+    let camera = window.state().camera();
+    until(&mut window, "the view along it", |app| {
+        app.seen.as_ref().is_some_and(|s| s.look.camera == camera)
     })?;
     keep(&mut window, &folder, "viewer-why")?;
     window.key_press(Key::Escape);
@@ -144,7 +154,10 @@ fn until(window: &mut Window, what: &str, done: impl Fn(&App) -> bool) -> Result
 fn keep(window: &mut Window, folder: &Path, name: &str) -> Result<(), Box<dyn std::error::Error>> {
     window.run_steps(2);
     let file = folder.join(format!("{name}.png"));
-    window.render()?.save(&file)?;
+    let picture = DynamicImage::ImageRgba8(window.render()?).into_rgb8();
+    let out = std::io::BufWriter::new(std::fs::File::create(&file)?);
+    let encoder = PngEncoder::new_with_quality(out, CompressionType::Best, FilterType::Adaptive);
+    picture.write_with_encoder(encoder)?;
     println!("{}", file.display());
     Ok(())
 }

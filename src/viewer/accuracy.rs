@@ -38,6 +38,16 @@ impl App {
         let s = &mut self.settings;
         ui.add(whole(&mut s.rays, 1..=64).text("rays to lights, into cones"));
         self.costs(ui, |k| k.rays.to_string(), |k, o| k.rays = o.rays);
+        let s = &mut self.settings;
+        ui.horizontal(|ui| {
+            let mut own = s.stops.is_some();
+            if ui.checkbox(&mut own, "exposure by hand").changed() {
+                s.stops = own.then_some(0.0);
+            }
+            if let Some(stops) = &mut s.stops {
+                ui.add(egui::Slider::new(stops, -4.0..=6.0).suffix(" stops"));
+            }
+        });
         ui.add_space(6.0);
         if let Some((_, traced)) = &self.traced {
             egui::Grid::new("traced").num_columns(2).show(ui, |ui| {

@@ -25,6 +25,7 @@ use super::walker::{Mode, Walker};
 use crate::cells::{CellId, Doors};
 use crate::level::scene::CameraPath;
 use crate::trace::camera::Camera;
+use crate::trace::picture::Exposure;
 
 /// How much of the past the statistics show.
 pub(super) const HISTORY: usize = 600;
@@ -69,7 +70,7 @@ pub struct App {
     pub(super) tracing: Option<Tracing>,
     /// The traced picture, and what it is of.
     pub traced: Option<(TextureHandle, Traced)>,
-    pub(super) requested: Option<(Camera, Knobs)>,
+    pub(super) requested: Option<(Camera, Knobs, Exposure)>,
     /// What traced pictures have cost.
     pub costs: Costs,
     /// What other methods say of the level.
@@ -318,7 +319,7 @@ impl App {
         let traced: Vec<_> = self.tracing.iter().flat_map(Tracing::reports).collect();
         for report in traced {
             if let TracingReport::Picture(traced) = report {
-                if let (true, Some((camera, knobs))) = (traced.done, self.requested) {
+                if let (true, Some((camera, knobs, _))) = (traced.done, self.requested) {
                     self.costs.note(camera, knobs, traced.milliseconds);
                 }
                 let size = traced.size.map(|n| n as usize);
@@ -492,7 +493,7 @@ impl eframe::App for App {
             .show(ui, |ui| self.side(ui));
         if self.settings.plan {
             egui::Panel::right("plan")
-                .default_size(520.0)
+                .default_size(460.0)
                 .frame(egui::Frame::NONE)
                 .show(ui, |ui| self.plan(ui));
         }

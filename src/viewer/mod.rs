@@ -63,8 +63,9 @@ pub use document::{Document, Loaded, Loader, Voice};
 pub enum ViewerError {
     /// Neither a screen nor a graphics adapter.
     #[error(
-        "cannot open a window: {0}; on Linux a screen (X11 or Wayland) and Vulkan are needed; without a \
-         graphics card install Mesa's software driver (apt-get install mesa-vulkan-drivers)"
+        "cannot open a window: that takes a screen (X11 or Wayland) and a Vulkan or OpenGL driver; without a \
+         graphics card install Mesa's software driver (Debian, Ubuntu: `apt-get install \
+         mesa-vulkan-drivers`). What the system says: {0}"
     )]
     Window(String),
 }

@@ -3,9 +3,10 @@
 use eframe::egui;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
+use glam::DVec3;
 
 use super::app::{App, Tab, View, Wanted};
-use super::walker::Mode;
+use super::walker::{Mode, Walker};
 use crate::cells::CellId;
 use crate::level::wording::grouped;
 use crate::level::{Finding, Place, Severity};
@@ -21,7 +22,7 @@ impl App {
     pub(super) fn menu(&mut self, ui: &mut Ui) {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| {
-                if ui.button("Open…").clicked() {
+                if ui.button("Open… (Ctrl O)").clicked() {
                     self.typed = Some(String::new());
                 }
                 if !self.recent.is_empty() {
@@ -47,7 +48,7 @@ impl App {
                     let name = name.unwrap_or_default().to_lowercase().replace(' ', "-");
                     self.saving = Some(format!("{name}.toml"));
                 }
-                if ui.button("Quit").clicked() {
+                if ui.button("Quit (Ctrl Q)").clicked() {
                     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
                 }
             });
@@ -242,7 +243,11 @@ impl App {
                 let [found, painted] = seen.milliseconds;
                 row(ui, "painted", grouped(seen.figures.painted));
                 row(ui, "of all polygons", grouped(seen.figures.all));
-                row(ui, "overdraw", format!("{:.2}", seen.figures.overdraw()));
+                // The graphics card does not count it.
+                let overdraw = seen.figures.overdraw();
+                if overdraw > 0.0 {
+                    row(ui, "overdraw", format!("{overdraw:.2}"));
+                }
                 row(ui, "to find out", format!("{found:.2} ms"));
                 row(ui, "to paint", format!("{painted:.2} ms"));
                 if let Some((_, traced)) = &self.traced {
@@ -392,10 +397,28 @@ impl App {
                         .strong(),
                 );
                 ui.label(RichText::new(format!("{:.1} ms", explained.milliseconds)).weak());
+                let look = explained
+                    .rise
+                    .filter(|_| ui.button("Look along the sightline").clicked());
                 ui.add_space(6.0);
                 ui.label(RichText::new(&explained.text).monospace().size(11.5));
+                if let Some(line) = look {
+                    self.look_along(line);
+                }
             }
         }
+    }
+
+    /// Puts the eye over one end of a line, and has it look at the other.
+    pub fn look_along(&mut self, [from, to]: [DVec3; 2]) {
+        // A little above it, or it would be a point.
+        const ABOVE: f64 = 0.12;
+        let Some(document) = &self.document else {
+            return;
+        };
+        let eye = from + DVec3::Z * document.person.eye * ABOVE;
+        self.eye = Walker::new(eye, to - eye, self.eye.mode);
+        self.play = None;
     }
 
     fn findings(&mut self, ui: &mut Ui) {

@@ -118,8 +118,10 @@ impl App {
             at: 0.0,
             running: true,
         });
-        if self.play.is_none() {
-            self.error = Some("there is no way to walk here".to_string());
+        match &self.play {
+            // Whoever still moves by hand would end it.
+            Some(_) => self.eye = Walker::new(self.eye.eye, self.eye.direction(), self.eye.mode),
+            None => self.error = Some("there is no way to walk here".to_string()),
         }
     }
 
@@ -230,6 +232,8 @@ impl App {
         let (mut open, mut go, mut leave) = (true, false, false);
         egui::Window::new("Save the walk")
             .open(&mut open)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(context.content_rect().center())
             .resizable(false)
             .show(context, |ui| {
                 ui.horizontal(|ui| {

@@ -5,7 +5,7 @@
 //! click sends the eye there.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
+use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use glam::{DVec2, DVec3};
 
 use super::document::{Document, Line};
@@ -167,10 +167,11 @@ impl PlanView {
         painter.rect_filled(rect, 0.0, BACK);
         let place = |p: DVec2| self.to_screen(rect, p);
         self.cells(scene, rect, &painter);
+        let mut area = Mesh::default();
         for piece in scene.area {
-            let outline: Vec<Pos2> = piece.iter().map(|p| place(*p)).collect();
-            painter.add(Shape::convex_polygon(outline, AREA, Stroke::NONE));
+            self.fill(&mut area, rect, piece, AREA);
         }
+        painter.add(area);
         for (line, ends) in &document.plan.lines {
             let ends = ends.map(place);
             if !rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
@@ -337,17 +338,23 @@ impl PlanView {
         }
         set(scene.source, SOURCE);
         set(scene.second, SECOND);
+        let mut mesh = Mesh::default();
         for (corners, colour) in document.plan.cells.iter().zip(colours) {
-            let outline: Vec<Pos2> = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
-            let bounds = Rect::from_points(&outline);
-            if rect.intersects(bounds) {
-                // A thin line of the same colour hides the seams between neighbours.
-                painter.add(Shape::convex_polygon(
-                    outline,
-                    colour,
-                    Stroke::new(0.6, colour),
-                ));
-            }
+            self.fill(&mut mesh, rect, corners, colour);
+        }
+        painter.add(mesh);
+    }
+
+    /// Adds a convex piece. Pieces of one mesh have no seams between them, and slivers no spikes.
+    fn fill(&self, mesh: &mut Mesh, rect: Rect, corners: &[DVec2], colour: Color32) {
+        let places = corners.iter().map(|p| self.to_screen(rect, *p));
+        let first = mesh.vertices.len() as u32;
+        for place in places {
+            mesh.colored_vertex(place, colour);
+        }
+        let n = mesh.vertices.len() as u32 - first;
+        for k in 2..n {
+            mesh.add_triangle(first, first + k - 1, first + k);
         }
     }
 

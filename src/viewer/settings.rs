@@ -79,6 +79,8 @@ pub struct Settings {
     pub threshold: f64,
     /// Rays to each light with an extent, and into cones.
     pub rays: u32,
+    /// How bright traced pictures are, in stops; `None`: as each asks for.
+    pub stops: Option<f64>,
     /// Effects that are not traced although they matter.
     #[serde(skip)]
     pub without: Effects,
@@ -106,6 +108,7 @@ impl Default for Settings {
             depth: 5,
             threshold: 1.0 / 256.0,
             rays: 16,
+            stops: None,
             without: Effects::NONE,
             tab: Tab::Statistics,
         }

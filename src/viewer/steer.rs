@@ -1,7 +1,7 @@
 //! Keys and mouse: where the eye goes, and what is switched on and off.
 
 use eframe::egui;
-use egui::{Event, Key, Ui};
+use egui::{Event, Key, Modifiers, Ui};
 use glam::DVec2;
 
 use super::app::{App, View};
@@ -56,7 +56,29 @@ impl App {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
         }
-        let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
+        // As it was when the key went down: by the end of a slow frame all keys may be up again.
+        let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        let command = |key, shift| {
+            let modifiers = if shift {
+                Modifiers::COMMAND | Modifiers::SHIFT
+            } else {
+                Modifiers::COMMAND
+            };
+            ui.input_mut(|i| i.consume_key(modifiers, key))
+        };
+        if command(Key::Q, false) {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        if command(Key::O, false) {
+            self.typed = Some(String::new());
+        }
+        // With Shift first: without it is asked whatever Shift does.
+        if command(Key::Z, true) || command(Key::Y, false) {
+            self.undo(true);
+        }
+        if command(Key::Z, false) {
+            self.undo(false);
+        }
         for (key, view) in [
             (Key::Num1, View::Painted),
             (Key::Num2, View::Traced),
@@ -68,15 +90,6 @@ impl App {
         }
         if pressed(Key::B) {
             self.edit();
-        }
-        let command = |key, shift| {
-            ui.input(|i| i.modifiers.command && i.modifiers.shift == shift && i.key_pressed(key))
-        };
-        if command(Key::Z, false) {
-            self.undo(false);
-        }
-        if command(Key::Z, true) || command(Key::Y, false) {
-            self.undo(true);
         }
         if pressed(Key::M) {
             self.settings.plan = !self.settings.plan;
@@ -114,9 +127,10 @@ impl App {
         if pressed(Key::F5) {
             self.reload();
         }
-        if pressed(Key::Escape) && self.captured {
+        let escape = pressed(Key::Escape);
+        if escape && self.captured {
             self.capture(false);
-        } else if pressed(Key::Escape) {
+        } else if escape {
             (self.source, self.second, self.explained) = (None, None, None);
             (self.mark, self.error, self.note) = (None, None, None);
             self.settings.help = false;

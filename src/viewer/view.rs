@@ -17,6 +17,9 @@ use crate::trace::shade::Limits;
 /// Difference between neighbours, from 0 (black) to 1 (white), from which on more samples are taken.
 const CONTRAST: f64 = 0.05;
 
+/// How bright Doom maps are shown, in stops: their sectors' light is meant for dark rooms.
+const DOOM: f64 = 1.5;
+
 impl App {
     /// Shows what an eye has seen.
     pub(super) fn take(&mut self, seen: Seen) {
@@ -220,7 +223,13 @@ impl App {
             return;
         };
         let knobs = self.knobs();
-        if self.requested == Some((camera, knobs)) {
+        let exposure = match self.settings.stops {
+            Some(stops) => Exposure::Stops(stops),
+            None if document.world.wardrobe.is_some() => Exposure::Stops(DOOM),
+            None => Exposure::Auto,
+        };
+        let request = (camera, knobs, exposure);
+        if self.requested == Some(request) {
             return;
         }
         if self.tracing.is_none() {
@@ -230,11 +239,6 @@ impl App {
             self.tracing = Tracing::start(threads.saturating_sub(1).max(1), wake).ok();
         }
         let Some(tracing) = &self.tracing else { return };
-        let exposure = if document.world.wardrobe.is_some() {
-            Exposure::Stops(1.5)
-        } else {
-            Exposure::Auto
-        };
         let usual = RenderOptions::default();
         let effects = survey.needed.iter().filter(|e| !knobs.without.has(*e));
         let options = RenderOptions {
@@ -259,7 +263,7 @@ impl App {
             options,
             exposure,
         });
-        self.requested = Some((camera, knobs));
+        self.requested = Some(request);
     }
 
     /// The plan, in all the room there is.

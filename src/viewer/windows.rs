@@ -6,7 +6,7 @@ use egui::{RichText, Ui};
 use super::app::{App, Wanted};
 
 /// The keys, and what they do.
-const KEYS: [(&str, &str); 22] = [
+const KEYS: [(&str, &str); 23] = [
     ("W A S D", "walk; arrow keys too, left and right turn"),
     ("drag in the view", "look around"),
     (
@@ -33,6 +33,7 @@ const KEYS: [(&str, &str); 22] = [
     ("R", "record a walk, or end it"),
     ("B", "change the level: drag corners, click doors"),
     ("Ctrl Z, Ctrl Y", "take back, do again"),
+    ("Ctrl O, Ctrl Q", "open a level; quit"),
     ("Esc", "nothing chosen"),
     ("F3, F5", "times of the window itself; read the file again"),
 ];
@@ -45,6 +46,8 @@ impl App {
         egui::Window::new("Keys")
             .open(&mut open)
             .resizable(false)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(context.content_rect().center())
             .show(&context, |ui| {
                 egui::Grid::new("keys")
                     .num_columns(2)
@@ -62,6 +65,8 @@ impl App {
             let mut open = true;
             egui::Window::new("This does not work")
                 .open(&mut open)
+                .pivot(egui::Align2::CENTER_CENTER)
+                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.label(error);
                     if self.document.is_some() {
@@ -80,6 +85,8 @@ impl App {
             let (mut open, mut go) = (true, false);
             egui::Window::new("Save as TOML")
                 .open(&mut open)
+                .pivot(egui::Align2::CENTER_CENTER)
+                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.text_edit_singleline(&mut path).request_focus();
                     ui.horizontal(|ui| {
@@ -100,6 +107,8 @@ impl App {
             let (mut open, mut go) = (true, false);
             egui::Window::new("Open a level")
                 .open(&mut open)
+                .pivot(egui::Align2::CENTER_CENTER)
+                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.label(
                     "Path of a level file; or drop it on the window. After a # the map of a WAD.",
