@@ -100,7 +100,36 @@ impl App {
                 ui.spinner();
                 ui.label(format!("reading {name}"));
             }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                self.modes(ui);
+            });
         });
+    }
+
+    /// What is switched most often, at the right of the menus.
+    fn modes(&mut self, ui: &mut Ui) {
+        let s = &mut self.settings;
+        ui.toggle_value(&mut s.plan, "Plan").on_hover_text("M");
+        ui.separator();
+        let mut mode = |ui: &mut Ui, mode, text, key| {
+            ui.selectable_value(&mut self.eye.mode, mode, text)
+                .on_hover_text(key);
+        };
+        mode(ui, Mode::Fly, "Fly", "F: through walls");
+        mode(ui, Mode::Walk, "Walk", "F: on the ground");
+        ui.separator();
+        let mut view = |ui: &mut Ui, view, text, key| {
+            ui.selectable_value(&mut s.view, view, text)
+                .on_hover_text(key);
+        };
+        view(ui, View::Both, "Both", "3: side by side");
+        view(ui, View::Traced, "Traced", "2: by rays");
+        view(
+            ui,
+            View::Painted,
+            "Painted",
+            "1: polygons in the BSP's order",
+        );
     }
 
     fn go_menu(&mut self, ui: &mut Ui) {

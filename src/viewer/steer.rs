@@ -57,6 +57,11 @@ impl App {
             return;
         }
         // As it was when the key went down: by the end of a slow frame all keys may be up again.
+        // A key that is held down does it once.
+        ui.input_mut(|i| {
+            i.events
+                .retain(|event| !matches!(event, Event::Key { repeat: true, .. }));
+        });
         let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
         let command = |key, shift| {
             let modifiers = if shift {
