@@ -363,7 +363,9 @@ impl App {
         ui.label("What a traced picture from this cell calls for, and why:");
         ui.add_space(6.0);
         for verdict in &survey.verdicts {
-            let (sign, colour) = if verdict.needed {
+            let (sign, colour) = if self.settings.without.has(verdict.effect) && verdict.needed {
+                ("left out by you", Color32::from_rgb(236, 190, 90))
+            } else if verdict.needed {
                 ("on", GOOD)
             } else {
                 ("off", Color32::GRAY)
