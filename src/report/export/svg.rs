@@ -1,0 +1,205 @@
+//! SVG drawings of the plan in layers, for Inkscape and for the reader of this crate.
+//!
+//! One user unit is one unit of the level; y goes down, so every y is the level's with its sign turned,
+//! and all numbers have as many digits as it takes to read the same ones back. Layers are groups with an
+//! `id`, a `class` and Inkscape's label: `cells`, `portals`, `steps`, `walls`, `columns`, `archways`,
+//! `doors`, `windows`, `rooms` (names). Each wall is an element of its own, of the class `wall`, and so
+//! are doors and the rest; cells have the ids `cell-0`, `cell-1`, … The size of the page is that of the
+//! level at 1:100, where its unit is known.
+//!
+//! (The pictures of [`report::plan`](crate::report::plan) are for looking at; these are for working on.)
+
+use glam::DVec2;
+use svg::Document;
+use svg::node::Value;
+use svg::node::element::{Group, Line, Polygon, Style, Text};
+
+use super::Known;
+use super::dxf::Extra;
+use super::lines::{Kind, Lines};
+use crate::geom::Vertex;
+use crate::report::json::polygon;
+
+/// How it looks. Widths are in hundredths of the drawing's size.
+const STYLE: &str = "
+.cells { fill: #eef3f8; stroke: #c9d6e2; stroke-width: .05 }
+.portals { fill: none; stroke: #7d9db8; stroke-width: .08; stroke-dasharray: .4 .3 }
+.steps { fill: none; stroke: #9aa5b1; stroke-width: .08 }
+.walls { fill: none; stroke: #23272e; stroke-width: .2; stroke-linecap: round }
+.columns { fill: #23272e; stroke: #23272e; stroke-width: .1 }
+.archways { fill: none; stroke: #5b8c5a; stroke-width: .15; stroke-dasharray: .3 .3 }
+.doors { fill: none; stroke: #b5651d; stroke-width: .2 }
+.windows { fill: none; stroke: #2a8fbd; stroke-width: .2 }
+.rooms { fill: #23272e; font-family: sans-serif; text-anchor: middle }
+";
+
+/// Draws a level. Of a `.pvs` file alone the openings are not known: they are gaps in the walls.
+pub fn draw(known: &Known, extra: Extra) -> Document {
+    let [low, high] = extent(known);
+    let size = high - low;
+    let scale = size.max_element() / 100.0;
+    let mut document = Document::new()
+        .set(
+            "xmlns:inkscape",
+            "http://www.inkscape.org/namespaces/inkscape",
+        )
+        .set("viewBox", view_box([low.x, -high.y, size.x, size.y]))
+        .set("data-unit", &*known.info.unit)
+        .add(svg::node::element::Title::new(&*known.info.name))
+        .add(Style::new(styled(scale)));
+    if let Some(millimetres) = millimetres(&known.info.unit) {
+        let page = |units: f64| format!("{}mm", units * millimetres / 100.0);
+        document = document
+            .set("width", page(size.x))
+            .set("height", page(size.y));
+    }
+    if extra.cells {
+        let cells = known.graph.cell_ids().map(|cell| {
+            let corners = polygon(known.graph, cell);
+            let sees = known.pvs.map(|pvs| pvs.seen_from(cell).count());
+            let mut area = shape(&corners, "cell").set("id", format!("cell-{}", cell.0));
+            for (key, value) in [
+                (
+                    "data-sector",
+                    known.graph.cell(cell).sector.map(|s| s.0 as usize),
+                ),
+                ("data-sees", sees),
+            ] {
+                if let Some(value) = value {
+                    area = area.set(key, value);
+                }
+            }
+            area
+        });
+        document = document.add(cells.fold(layer("cells", "Cells"), Group::add));
+    }
+    if extra.portals {
+        let portals = known.graph.portals.iter().enumerate().map(|(i, portal)| {
+            let line = line(super::segment(known.graph, portal), "portal");
+            line.set("id", format!("portal-{i}"))
+        });
+        document = document.add(portals.fold(layer("portals", "Portals"), Group::add));
+    }
+    let Some(level) = known.level else {
+        let walls = Lines::of_cells(known.graph).into_iter();
+        let walls = walls.map(|ends| line(ends, "wall"));
+        return document.add(walls.fold(layer("walls", "Walls"), Group::add));
+    };
+    let lines = Lines::of_level(level, known.graph);
+    let kind = |kind: Kind, class: &'static str| {
+        lines.of(kind).map(move |drawn| {
+            let ends = drawn.ends.map(|p| level.grid.to_level(p));
+            let mut element = line(ends, class);
+            if let Some(name) = &drawn.name {
+                element = element.set("inkscape:label", &**name);
+            }
+            if drawn.shut {
+                element = element.set("data-closed", "true");
+            }
+            element
+        })
+    };
+    let solids = lines.solids.iter().map(|corners| {
+        let corners: Vec<DVec2> = corners.iter().map(|&p| level.grid.to_level(p)).collect();
+        shape(&corners, "column")
+    });
+    let rooms = super::labels(known).into_iter().map(|(name, at, height)| {
+        Text::new(name)
+            .set("x", at.x + 0.0)
+            .set("y", 0.0 - at.y)
+            .set("font-size", height)
+    });
+    document
+        .add(kind(Kind::Step, "step").fold(layer("steps", "Steps"), Group::add))
+        .add(kind(Kind::Wall, "wall").fold(layer("walls", "Walls"), Group::add))
+        .add(solids.fold(layer("columns", "Columns"), Group::add))
+        .add(kind(Kind::Archway, "archway").fold(layer("archways", "Archways"), Group::add))
+        .add(kind(Kind::Door, "door").fold(layer("doors", "Doors"), Group::add))
+        .add(kind(Kind::Window, "window").fold(layer("windows", "Windows"), Group::add))
+        .add(rooms.fold(layer("rooms", "Room names"), Group::add))
+}
+
+/// The corners of all there is, with a margin.
+fn extent(known: &Known) -> [DVec2; 2] {
+    let grid = &known.graph.grid;
+    let walls = known.level.into_iter().flat_map(|level| &level.walls);
+    let of_walls = walls
+        .flat_map(|wall| [wall.from, wall.to])
+        .map(|p| grid.to_level(p));
+    let of_cells = known
+        .graph
+        .vertices
+        .iter()
+        .map(|v: &Vertex| v.to_level(grid));
+    let all = of_walls.chain(of_cells).map(|p| (p, p));
+    let (low, high) = all
+        .reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
+        .unwrap_or((DVec2::ZERO, DVec2::ONE));
+    // A whole number, so that the corner is one, too.
+    let margin = ((high - low).max_element() / 50.0)
+        .max(f64::MIN_POSITIVE)
+        .ceil();
+    [(low - margin).floor(), (high + margin).ceil()]
+}
+
+/// The style, its widths in user units.
+fn styled(scale: f64) -> String {
+    let width = |word: &str| match word.strip_prefix('.').map(|_| word.parse::<f64>()) {
+        Some(Ok(width)) => format!("{}", width * scale),
+        _ => word.to_string(),
+    };
+    let line = |line: &str| -> String {
+        let (class, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let words = rest.split(' ').map(|word| match word.strip_suffix(';') {
+            Some(word) => width(word) + ";",
+            None => width(word),
+        });
+        format!("{class} {}", words.collect::<Vec<_>>().join(" "))
+    };
+    let lines: Vec<String> = STYLE.trim().lines().map(line).collect();
+    lines.join("\n")
+}
+
+fn layer(id: &str, label: &str) -> Group {
+    Group::new()
+        .set("id", id)
+        .set("class", id)
+        .set("inkscape:groupmode", "layer")
+        .set("inkscape:label", label)
+}
+
+fn view_box(numbers: [f64; 4]) -> Value {
+    numbers.map(|n| format!("{}", n + 0.0)).join(" ").into()
+}
+
+fn line([from, to]: [DVec2; 2], class: &str) -> Line {
+    Line::new()
+        .set("class", class)
+        .set("x1", from.x + 0.0)
+        .set("y1", 0.0 - from.y)
+        .set("x2", to.x + 0.0)
+        .set("y2", 0.0 - to.y)
+}
+
+fn shape(corners: &[DVec2], class: &str) -> Polygon {
+    let point = |p: &DVec2| format!("{},{}", p.x + 0.0, 0.0 - p.y);
+    let points: Vec<String> = corners.iter().map(point).collect();
+    Polygon::new()
+        .set("class", class)
+        .set("points", points.join(" "))
+}
+
+/// How long a unit is; `None` where nobody knows.
+fn millimetres(unit: &str) -> Option<f64> {
+    Some(match unit {
+        "mm" => 1.0,
+        "cm" => 10.0,
+        "dm" => 100.0,
+        "m" => 1000.0,
+        "km" => 1e6,
+        "in" => 25.4,
+        "ft" => 304.8,
+        "yd" => 914.4,
+        _ => return None,
+    })
+}
