@@ -17,6 +17,7 @@ mod drawing;
 mod drawn_studies;
 mod explain;
 mod exported;
+mod exports;
 mod eye;
 mod generated;
 mod hard;
