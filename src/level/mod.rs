@@ -5,6 +5,7 @@
 
 pub mod doom;
 pub mod draft;
+pub mod drawing;
 pub mod dress;
 pub mod edit;
 pub mod finding;
@@ -14,6 +15,7 @@ pub mod read;
 pub mod scene;
 pub mod snap;
 pub mod toml;
+pub mod uvtt;
 pub mod wad;
 pub mod wording;
 
