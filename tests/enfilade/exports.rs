@@ -24,14 +24,27 @@ fn read_level(path: &Path) -> Level {
 
 /// The sample levels that stand for buildings.
 const SAMPLES: [&str; 9] = [
-    "tiny", "house", "museum", "office", "maze", "theatre", "cathedral", "enfilade", "gallery",
+    "tiny",
+    "house",
+    "museum",
+    "office",
+    "maze",
+    "theatre",
+    "cathedral",
+    "enfilade",
+    "gallery",
 ];
 
 /// Compares the visible sets of two levels that are to have the same walls. The second is cut by the
 /// very lines by which the first was, so that each of its cells lies in one of the first one's; what
 /// the second has beside (a court between the rooms) is let be. `place` takes points of the first to
 /// the second. Gives the number of cells and of pairs that see each other.
-fn same_pvs(name: &str, first: &Level, second: &Level, place: impl Fn(DVec2) -> DVec2) -> [usize; 2] {
+fn same_pvs(
+    name: &str,
+    first: &Level,
+    second: &Level,
+    place: impl Fn(DVec2) -> DVec2,
+) -> [usize; 2] {
     let graph = subdivide(first, &Options::default());
     let tree = graph.tree.as_ref().expect("a BSP has a tree");
     let n = graph.cells.len();
@@ -47,9 +60,8 @@ fn same_pvs(name: &str, first: &Level, second: &Level, place: impl Fn(DVec2) -> 
         there
     };
     let split = |split: &enfilade::cells::tree::Split| {
-        let on_it = |wall: &&enfilade::level::Wall| {
-            Line::through(wall.from, wall.to) == Some(split.line)
-        };
+        let on_it =
+            |wall: &&enfilade::level::Wall| Line::through(wall.from, wall.to) == Some(split.line);
         let wall = first.walls.iter().find(on_it).expect("walls split a BSP");
         // Lines point right, or straight up.
         let through = [wall.from.min(wall.to), wall.from.max(wall.to)].map(there);
@@ -82,7 +94,12 @@ fn same_pvs(name: &str, first: &Level, second: &Level, place: impl Fn(DVec2) -> 
 }
 
 /// Exports levels in a format and from there as TOML, by the command line, and compares.
-fn there_and_back(format: &str, more: &[&str], levels: &[&str], place: impl Fn(&Level, DVec2) -> DVec2) {
+fn there_and_back(
+    format: &str,
+    more: &[&str],
+    levels: &[&str],
+    place: impl Fn(&Level, DVec2) -> DVec2,
+) {
     let folder = TempDir::new().unwrap();
     for name in levels {
         let from = level_path(&format!("{name}.toml"));
@@ -110,7 +127,11 @@ fn decimal(x: f64) -> f64 {
 fn toml_to_uvtt_and_back_keeps_the_pvs() {
     there_and_back("uvtt", &[], &SAMPLES, |level, p| {
         // The lower left corner of the map, with a square of margin, is where the map begins.
-        let units = level.walls.iter().flat_map(|w| [w.from, w.to]).map(|p| level.grid.to_level(p));
+        let units = level
+            .walls
+            .iter()
+            .flat_map(|w| [w.from, w.to])
+            .map(|p| level.grid.to_level(p));
         let low = units.reduce(DVec2::min).unwrap();
         (p - low + 1.0).map(decimal)
     });
@@ -137,7 +158,9 @@ fn the_comparison_notices_a_wall() {
 }
 
 /// The formats that are made of a level, with what is written to by default.
-const OF_A_LEVEL: [&str; 8] = ["toml", "dxf", "svg", "uvtt", "geojson", "csv", "json", "prt"];
+const OF_A_LEVEL: [&str; 8] = [
+    "toml", "dxf", "svg", "uvtt", "geojson", "csv", "json", "prt",
+];
 
 #[test]
 fn every_format_takes_levels_maps_and_pvs_files() {
@@ -161,7 +184,10 @@ fn every_format_takes_levels_maps_and_pvs_files() {
             }
         }
         if matches!(format, "toml" | "uvtt") {
-            refused(&["export", format, &pvs, "-o", &to], &["house.pvs", "give the level"]);
+            refused(
+                &["export", format, &pvs, "-o", &to],
+                &["house.pvs", "give the level"],
+            );
             continue;
         }
         let done = enfilade(&["export", format, &pvs, "-q", "-o", &to]);
@@ -177,10 +203,17 @@ fn every_format_takes_levels_maps_and_pvs_files() {
             String::from_utf8(done.stdout).unwrap()
         };
         let plain = |text: String| -> Vec<String> {
-            let rows = text.lines().map(|line| line.split(',').filter(|s| !s.is_empty()).last());
-            rows.map(|last| last.unwrap_or_default().to_string()).collect()
+            let rows = text
+                .lines()
+                .map(|line| line.split(',').filter(|s| !s.is_empty()).last());
+            rows.map(|last| last.unwrap_or_default().to_string())
+                .collect()
         };
-        assert_eq!(plain(of(&pvs)), plain(of(&level_path("house.toml"))), "{format}");
+        assert_eq!(
+            plain(of(&pvs)),
+            plain(of(&level_path("house.toml"))),
+            "{format}"
+        );
     }
 }
 
@@ -195,13 +228,33 @@ fn what_cannot_be_read_is_refused_by_every_format() {
     fs::write(at("cut.pvs"), &whole[..whole.len() / 2]).unwrap();
     fs::write(at("none.pvs"), b"nothing").unwrap();
     fs::write(at("latin.toml"), b"name = \"Caf\xe9\"").unwrap();
-    fs::write(at("wrong.toml"), "[[room]]\nname = \"A\"\nrect = [0, 0, 1e999, 4]\n").unwrap();
+    fs::write(
+        at("wrong.toml"),
+        "[[room]]\nname = \"A\"\nrect = [0, 0, 1e999, 4]\n",
+    )
+    .unwrap();
     fs::write(at("cut.wad"), &two_squares()[..60]).unwrap();
     for format in OF_A_LEVEL {
-        for name in ["latin.toml", "wrong.toml", "cut.wad", "missing.toml", "cut.pvs", "none.pvs"] {
+        for name in [
+            "latin.toml",
+            "wrong.toml",
+            "cut.wad",
+            "missing.toml",
+            "cut.pvs",
+            "none.pvs",
+        ] {
             refused(&["export", format, &at(name), "-o", &to], &[name]);
         }
-        refused(&["export", format, &level_path("tiny.toml"), "-o", &at("no/out")], &["no/out"]);
+        refused(
+            &[
+                "export",
+                format,
+                &level_path("tiny.toml"),
+                "-o",
+                &at("no/out"),
+            ],
+            &["no/out"],
+        );
         refused(&["export", format, &level_path("tiny.toml")], &["--output"]);
     }
     let tiny = level_path("tiny.toml");
@@ -219,7 +272,10 @@ fn what_cannot_be_read_is_refused_by_every_format() {
         (&["reject"], "tiny.toml"),
         (&["gl-pvs"], "tiny.toml"),
     ] {
-        refused(&[&["export"], arguments, &[&tiny, "-o", &to]].concat(), &[part]);
+        refused(
+            &[&["export"], arguments, &[&tiny, "-o", &to]].concat(),
+            &[part],
+        );
     }
     assert!(!Path::new(&to).exists());
 }
@@ -230,11 +286,20 @@ fn tables_of_doom_maps_are_refused_where_they_cannot_be() {
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (to, map) = (at("out.wad"), at("two.wad"));
     fs::write(&map, two_squares()).unwrap();
-    refused(&["export", "gl-pvs", &map, "-o", &to], &["two.wad", "no GL nodes", "glbsp"]);
-    refused(&["export", "reject", &map, "--map", "E9M9", "-o", &to], &["E9M9", "E1M1"]);
+    refused(
+        &["export", "gl-pvs", &map, "-o", &to],
+        &["two.wad", "no GL nodes", "glbsp"],
+    );
+    refused(
+        &["export", "reject", &map, "--map", "E9M9", "-o", &to],
+        &["E9M9", "E1M1"],
+    );
     fs::write(at("none.wad"), wad(&[("OTHER", vec![1])])).unwrap();
     for format in ["reject", "gl-pvs"] {
-        refused(&["export", format, &at("none.wad"), "-o", &to], &["none.wad", "no maps"]);
+        refused(
+            &["export", format, &at("none.wad"), "-o", &to],
+            &["none.wad", "no maps"],
+        );
         fs::write(at("cut.wad"), &two_squares()[..50]).unwrap();
         refused(&["export", format, &at("cut.wad"), "-o", &to], &["cut.wad"]);
     }
@@ -242,24 +307,77 @@ fn tables_of_doom_maps_are_refused_where_they_cannot_be() {
     let vert = |magic: &[u8]| [magic, &[0; 16]].concat();
     let node = |from: [i16; 4], children: [u16; 2]| {
         let numbers = from.into_iter().chain([0; 8]).flat_map(i16::to_le_bytes);
-        numbers.chain(children.into_iter().flat_map(u16::to_le_bytes)).collect::<Vec<u8>>()
+        numbers
+            .chain(children.into_iter().flat_map(u16::to_le_bytes))
+            .collect::<Vec<u8>>()
     };
-    let seg = [0u16, 1, 0xffff, 0, 0xffff].iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let seg = [0u16, 1, 0xffff, 0, 0xffff]
+        .iter()
+        .flat_map(|n| n.to_le_bytes())
+        .collect::<Vec<u8>>();
     let subsector = |n: u16, first: u16| [n.to_le_bytes(), first.to_le_bytes()].concat();
     let two = [subsector(1, 0), subsector(1, 0)].concat();
     let good = node([128, 0, 0, 128], [0x8000, 0x8001]);
     for (what, lumps) in [
-        ("version 1", [vec![0; 8], seg.clone(), two.clone(), good.clone()]),
-        ("version 4", [vert(b"gNd4"), seg.clone(), two.clone(), good.clone()]),
-        ("GL_VERT", [b"gNd2abc".to_vec(), seg.clone(), two.clone(), good.clone()]),
-        ("GL_SEGS", [vert(b"gNd2"), vec![0; 7], two.clone(), good.clone()]),
-        ("record 0 of lump GL_SSECT", [vert(b"gNd2"), seg.clone(), subsector(2, 0), good.clone()]),
-        ("record 0 of lump GL_SEGS", [vert(b"gNd2"), vec![0xff; 10], two.clone(), good.clone()]),
-        ("GL_NODES", [vert(b"gNd2"), seg.clone(), two.clone(), good[1..].to_vec()]),
-        ("GL_SSECT", [vert(b"gNd2"), seg.clone(), Vec::new(), good.clone()]),
-        ("node 0", [vert(b"gNd2"), seg.clone(), two.clone(), node([0, 0, 0, 9], [0x8000, 0x8002])]),
-        ("node 0", [vert(b"gNd2"), seg.clone(), two.clone(), node([0, 0, 0, 9], [0x8000, 0])]),
-        ("node 0", [vert(b"gNd2"), seg.clone(), two.clone(), node([0, 0, 0, 0], [0x8000, 0x8001])]),
+        (
+            "version 1",
+            [vec![0; 8], seg.clone(), two.clone(), good.clone()],
+        ),
+        (
+            "version 4",
+            [vert(b"gNd4"), seg.clone(), two.clone(), good.clone()],
+        ),
+        (
+            "GL_VERT",
+            [b"gNd2abc".to_vec(), seg.clone(), two.clone(), good.clone()],
+        ),
+        (
+            "GL_SEGS",
+            [vert(b"gNd2"), vec![0; 7], two.clone(), good.clone()],
+        ),
+        (
+            "record 0 of lump GL_SSECT",
+            [vert(b"gNd2"), seg.clone(), subsector(2, 0), good.clone()],
+        ),
+        (
+            "record 0 of lump GL_SEGS",
+            [vert(b"gNd2"), vec![0xff; 10], two.clone(), good.clone()],
+        ),
+        (
+            "GL_NODES",
+            [vert(b"gNd2"), seg.clone(), two.clone(), good[1..].to_vec()],
+        ),
+        (
+            "GL_SSECT",
+            [vert(b"gNd2"), seg.clone(), Vec::new(), good.clone()],
+        ),
+        (
+            "node 0",
+            [
+                vert(b"gNd2"),
+                seg.clone(),
+                two.clone(),
+                node([0, 0, 0, 9], [0x8000, 0x8002]),
+            ],
+        ),
+        (
+            "node 0",
+            [
+                vert(b"gNd2"),
+                seg.clone(),
+                two.clone(),
+                node([0, 0, 0, 9], [0x8000, 0]),
+            ],
+        ),
+        (
+            "node 0",
+            [
+                vert(b"gNd2"),
+                seg.clone(),
+                two.clone(),
+                node([0, 0, 0, 0], [0x8000, 0x8001]),
+            ],
+        ),
     ] {
         let [vertices, segs, subsectors, nodes] = lumps;
         let gl = wad(&[
@@ -289,20 +407,36 @@ fn gl_nodes_beside_the_wad() {
         ("GL_VERT", b"gNd2".to_vec()),
         ("GL_SEGS", shorts(&[0, 1, 0xffff, 0, 0xffff])),
         ("GL_SSECT", shorts(&[1, 0, 1, 0])),
-        ("GL_NODES", shorts(&[128, 0, 0, 128, 0, 0, 0, 0, 0, 0, 0, 0, 0x8001, 0x8000])),
+        (
+            "GL_NODES",
+            shorts(&[128, 0, 0, 128, 0, 0, 0, 0, 0, 0, 0, 0, 0x8001, 0x8000]),
+        ),
         ("OTHER", vec![7]),
     ]);
     fs::write(at("two.gwa"), &gl).unwrap();
     let export = |to: &str| {
-        let done = enfilade(&["export", "gl-pvs", &at("two.wad"), "--gl", &at("two.gwa"), "-o", &at(to)]);
+        let done = enfilade(&[
+            "export",
+            "gl-pvs",
+            &at("two.wad"),
+            "--gl",
+            &at("two.gwa"),
+            "-o",
+            &at(to),
+        ]);
         assert!(done.status.success(), "{done:?}");
         let told = String::from_utf8(done.stderr).unwrap();
-        assert!(told.contains("2 subsectors") && told.contains("version 2"), "{told}");
+        assert!(
+            told.contains("2 subsectors") && told.contains("version 2"),
+            "{told}"
+        );
         fs::read(at(to)).unwrap()
     };
     let out = enfilade::level::wad::Wad::parse(export("out.gwa")).unwrap();
     let names: Vec<&str> = out.lumps().iter().map(|lump| &*lump.name).collect();
-    let expected = ["GL_LEVEL", "GL_VERT", "GL_SEGS", "GL_SSECT", "GL_NODES", "GL_PVS", "OTHER"];
+    let expected = [
+        "GL_LEVEL", "GL_VERT", "GL_SEGS", "GL_SSECT", "GL_NODES", "GL_PVS", "OTHER",
+    ];
     assert_eq!(names, expected);
     assert_eq!(out.lump_named("GL_PVS"), Some(&[3u8, 3][..]));
     assert_eq!(export("out.lmp"), [3, 3]);
@@ -334,7 +468,14 @@ fn a_reject_alone_and_as_a_lump() {
         assert_eq!(out.lumps().len(), n + own.len() + usize::from(!had));
         assert_eq!(out.lump_named("REJECT"), Some(&[0u8][..]));
     }
-    let done = enfilade(&["export", "reject", &at("all.wad"), "-q", "-o", &at("all.REJ")]);
+    let done = enfilade(&[
+        "export",
+        "reject",
+        &at("all.wad"),
+        "-q",
+        "-o",
+        &at("all.REJ"),
+    ]);
     assert!(done.status.success(), "{done:?}");
     assert_eq!(fs::read(at("all.REJ")).unwrap(), [0]);
 }

@@ -15,6 +15,7 @@ mod bulk;
 mod cli;
 mod drawing;
 mod drawn_studies;
+mod engines;
 mod explain;
 mod exported;
 mod exports;

@@ -18,13 +18,12 @@ use crate::report::json::Seconds;
 
 /// A level or a `.pvs` file, and where the export goes.
 #[derive(Debug, Args)]
+#[command(mut_arg("level", |arg| arg.value_name("LEVEL|FILE.pvs").help(
+    "Level file (.toml, .wad, .dxf, .svg, .uvtt), or a .pvs file of `enfilade build`"
+)))]
 pub struct SubjectArgs {
-    /// Level file, or a .pvs file of `enfilade build`
-    #[arg(value_name = "LEVEL|FILE.pvs")]
-    subject: PathBuf,
-    /// Map of a WAD that has several
-    #[arg(long, value_name = "NAME")]
-    map: Option<String>,
+    #[command(flatten)]
+    level: LevelArgs,
     /// How the plan is cut into cells [default: bsp]
     #[arg(long, value_enum, value_name = "HOW")]
     subdivision: Option<SubdivisionArg>,
@@ -81,19 +80,15 @@ fn is_pvs(path: &Path) -> bool {
 impl SubjectArgs {
     /// The file that is exported.
     pub fn path(&self) -> &Path {
-        &self.subject
+        &self.level.level
     }
 
     /// Reads the level; `why` says what a `.pvs` file lacks.
     pub fn level(&self, why: &str) -> Result<Level> {
-        if is_pvs(&self.subject) {
-            bail!("{}: {why}; give the level", self.subject.display());
+        if is_pvs(&self.level.level) {
+            bail!("{}: {why}; give the level", self.level.level.display());
         }
-        let args = LevelArgs {
-            level: self.subject.clone(),
-            map: self.map.clone(),
-        };
-        let level = args.read()?;
+        let level = self.level.read()?;
         if !self.quiet {
             warn_of(&level.findings);
         }
@@ -117,7 +112,7 @@ impl SubjectArgs {
     /// Reads a level or a `.pvs` file; with `solved`, finds out who sees whom.
     pub fn read(&self, solved: bool) -> Result<Subject> {
         let mut seconds = Seconds::default();
-        if is_pvs(&self.subject) {
+        if is_pvs(&self.level.level) {
             return self.read_pvs();
         }
         let pool = compute::pool(self.threads)?;
@@ -140,9 +135,9 @@ impl SubjectArgs {
     }
 
     fn read_pvs(&self) -> Result<Subject> {
-        let name = self.subject.display();
+        let name = self.level.level.display();
         for (given, option) in [
-            (self.map.is_some(), "--map"),
+            (self.level.map.is_some(), "--map"),
             (self.subdivision.is_some(), "--subdivision"),
             (self.doors.is_some(), "--doors"),
         ] {
@@ -152,7 +147,7 @@ impl SubjectArgs {
                 );
             }
         }
-        let bytes = fs::read(&self.subject).with_context(|| format!("cannot read {name}"))?;
+        let bytes = fs::read(&self.level.level).with_context(|| format!("cannot read {name}"))?;
         let file = file::decode(&bytes).with_context(|| name.to_string())?;
         Ok(Subject {
             info: file.info,

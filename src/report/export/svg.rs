@@ -203,3 +203,68 @@ fn millimetres(unit: &str) -> Option<f64> {
         _ => return None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::{Options, subdivide};
+    use crate::level::read::read;
+    use crate::pvs::file::LevelInfo;
+
+    const ROOMS: &str = "[[room]]\nname = \"A & <B>\"\nrect = [0.1, 0, 4, 4]\n\
+        [[room]]\nname = \"C\"\nrect = [4, 0, 8, 4]\n[[pillar]]\nrect = [1, 1, 2, 2]\n\
+        [[door]]\nbetween = [\"A & <B>\", \"C\"]\nwidth = 1\nname = \"D\"\n";
+
+    #[test]
+    fn layers_with_what_is_on_them() {
+        let level = read(ROOMS.into(), "a.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let known = Known {
+            info: &LevelInfo::of(&level),
+            level: Some(&level),
+            graph: &graph,
+            pvs: None,
+        };
+        let all = Extra {
+            cells: true,
+            portals: true,
+        };
+        let text = draw(&known, all).to_string();
+        for part in [
+            r#"inkscape:label="Walls""#,
+            r#"width="100mm""#,
+            "A &amp; &lt;B&gt;",
+            r#"id="cell-0""#,
+            // Numbers as they are, y turned.
+            r#"x1="0.1""#,
+            r#"y1="-4""#,
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        let count = |class: &str| text.matches(&format!("class=\"{class}\"")).count();
+        assert_eq!((count("wall"), count("door"), count("column")), (6, 1, 1));
+        assert_eq!(count("cell"), graph.cells.len());
+        let door = text.lines().find(|l| l.contains("class=\"door\"")).unwrap();
+        assert!(
+            door.contains("data-closed") && door.contains("inkscape:label=\"D\""),
+            "{door}"
+        );
+        crate::report::picture::png(&text, 300).unwrap();
+        let bare = Known {
+            level: None,
+            ..known
+        };
+        let text = draw(
+            &bare,
+            Extra {
+                cells: false,
+                portals: false,
+            },
+        )
+        .to_string();
+        assert!(
+            !text.contains("id=\"cells\"") && text.contains("class=\"wall\""),
+            "{text}"
+        );
+    }
+}

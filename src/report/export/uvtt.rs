@@ -117,7 +117,7 @@ impl Map {
         let ends = lines.extent().unwrap_or([GridPoint::new(0, 0); 2]);
         let [low, high] = ends.map(|p| level.grid.to_level(p));
         let square = options.square;
-        let size = ((high - low) / square).ceil() + 2.0;
+        let size = ((high - low) / square).map(decimal).ceil() + 2.0;
         let most = (MOST_PIXELS / size.max_element()).floor().max(1.0);
         Self {
             left: low.x - square,
@@ -250,4 +250,85 @@ fn picture(
         .add(solid)
         .add(walls);
     picture::png(&document.to_string(), map.size.x as u32 * map.pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::{Options, subdivide};
+    use crate::level::read::read;
+    use crate::pvs::file::LevelInfo;
+
+    const ROOMS: &str = "[[room]]\nname = \"A\"\nrect = [10.1, 20, 14.1, 24.3]\n\
+        [[room]]\nname = \"B\"\nrect = [14.1, 20, 18.1, 24.3]\n\
+        [[pillar]]\nrect = [11, 21, 12, 22]\n\
+        [[door]]\npoints = [[14.1, 21], [14.1, 22]]\n\
+        [[window]]\npoints = [[12, 20], [13, 20]]\n\
+        [[light]]\nkind = \"point\"\nposition = [12.1, 23, 2]\nintensity = 5\ncolor = [1, 0.5, 0]\n";
+
+    fn map(options: UvttOptions) -> Value {
+        let level = read(ROOMS.into(), "a.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let known = Known {
+            info: &LevelInfo::of(&level),
+            level: Some(&level),
+            graph: &graph,
+            pvs: None,
+        };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &level, &known, &options).unwrap();
+        serde_json::from_slice(&bytes).unwrap()
+    }
+
+    #[test]
+    fn a_map_of_two_rooms() {
+        let map = map(UvttOptions {
+            square: 1.0,
+            pixels: 20,
+        });
+        // 8 by 4.3 units and a square all around, in whole squares.
+        let size = json!({ "x": 10.0, "y": 7.0 });
+        assert_eq!(map["resolution"]["map_size"], size);
+        // The lower left corner of room A: y goes down from 6 squares above it.
+        let text = map["line_of_sight"].to_string();
+        assert!(text.contains(r#"{"x":1.0,"y":6.0}"#), "{text}");
+        assert!(text.contains(r#"{"x":1.0,"y":1.7}"#), "{text}");
+        let portals = map["portals"].as_array().unwrap();
+        assert_eq!(portals.len(), 2);
+        assert_eq!(
+            portals[0]["bounds"],
+            json!([{ "x": 5.0, "y": 5.0 }, { "x": 5.0, "y": 4.0 }])
+        );
+        assert_eq!(
+            (&portals[0]["closed"], &portals[1]["closed"]),
+            (&true.into(), &false.into())
+        );
+        assert_eq!(map["objects_line_of_sight"][0].as_array().unwrap().len(), 5);
+        let light = &map["lights"][0];
+        assert_eq!(light["position"], json!({ "x": 3.0, "y": 3.0 }));
+        assert_eq!(
+            (&light["range"], &light["color"]),
+            (&10.0.into(), &"ffffbc00".into())
+        );
+        let image = base64::engine::general_purpose::STANDARD
+            .decode(map["image"].as_str().unwrap())
+            .unwrap();
+        let picture = image::load_from_memory(&image).unwrap().to_rgb8();
+        assert_eq!(picture.dimensions(), (200, 140));
+        // Floor in room A, the pillar, the outside.
+        let at = |x: f64, y: f64| picture.get_pixel((x * 20.0) as u32, (y * 20.0) as u32).0;
+        assert_eq!(at(4.0, 3.0), [0xf3, 0xef, 0xe6]);
+        assert_eq!(at(2.4, 4.5), [0x3b, 0x3a, 0x38]);
+        assert_eq!(at(0.5, 0.5), [0x8a, 0x87, 0x80]);
+    }
+
+    #[test]
+    fn pictures_stay_small() {
+        let map = map(UvttOptions {
+            square: 0.01,
+            pixels: 70,
+        });
+        assert_eq!(map["resolution"]["pixels_per_grid"], 10);
+        assert_eq!(map["resolution"]["map_size"]["x"], 802.0);
+    }
 }
