@@ -21,7 +21,7 @@ maps= keep= program= wads=/usr/share/games/doom/freedoom1.wad,/usr/share/games/d
 while [ $# -gt 0 ]; do
     case $1 in
         --maps) maps=$2; shift 2 ;;
-        --wads) wads=$2; shift 2 ;;
+        --wads) wads=$(IFS=,; for wad in $2; do printf '%s,' "$(realpath "$wad")"; done); shift 2 ;;
         --program) program=$(realpath "$2"); shift 2 ;;
         --keep) keep=$2; shift 2 ;;
         *) sed -n '2,/^set/s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
@@ -45,6 +45,9 @@ if [ ${#engines[@]} -eq 0 ]; then
     exit 3
 fi
 
+# part OFFSET SIZE FILE: bytes of a file.
+part() { dd if="$3" bs=64K iflag=skip_bytes,count_bytes skip="$1" count="$2" status=none; }
+
 # number OFFSET FILE: the little-endian number of four bytes there.
 number() { od -An -tu4 --endian=little -j "$1" -N 4 "$2" | tr -d ' '; }
 
@@ -53,7 +56,7 @@ lumps() {
     local count directory
     count=$(number 4 "$1")
     directory=$(number 8 "$1")
-    tail -c +$((directory + 1)) "$1" | head -c $((count * 16)) |
+    part "$directory" $((count * 16)) "$1" |
         od -An -v -tu1 -w16 | awk '{
             name = ""
             for (i = 9; i <= 16 && $i != 0; i++) name = name sprintf("%c", $i)
@@ -89,7 +92,7 @@ for wad in ${wads//,/ }; do
     lumps "$wad" >"$game.lumps"
     while read -r offset size lump; do
         demo=$game-${lump,,}.lmp
-        tail -c +$((offset + 1)) "$wad" | head -c "$size" >"$demo"
+        part "$offset" "$size" "$wad" >"$demo"
         # Bytes of the demo's head: version, skill, episode, map.
         read -r _ _ episode number < <(od -An -tu1 -N 4 "$demo")
         if grep -q ' E1M1$' "$game.lumps"; then
@@ -106,7 +109,7 @@ for wad in ${wads//,/ }; do
         head -c "$bytes" /dev/zero | tr '\0' '\377' |
             dd of="$game-$map-blind.wad" bs=1 seek="$at" conv=notrunc status=none
         # And the lump alone is the lump in the WAD.
-        tail -c +$((at + 1)) "$game-$map.wad" | head -c "$bytes" | cmp - "$game-$map.rej"
+        part "$at" "$bytes" "$game-$map.wad" | cmp - "$game-$map.rej"
         for engine in "${engines[@]}"; do
             line="$engine $game ${lump,,} ($map)"
             for table in own exported blind; do

@@ -56,9 +56,9 @@ pub struct SvgArgs {
 #[derive(Debug, Args)]
 struct ExtraArgs {
     /// What is drawn beside walls and openings
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    #[arg(long = "layers", value_enum, value_delimiter = ',', value_name = "LAYERS")]
     #[arg(default_values = ["cells", "portals"])]
-    layers: Vec<ExtraLayer>,
+    drawn: Vec<ExtraLayer>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -74,8 +74,8 @@ enum ExtraLayer {
 impl ExtraArgs {
     fn extra(&self) -> Extra {
         Extra {
-            cells: self.layers.contains(&ExtraLayer::Cells),
-            portals: self.layers.contains(&ExtraLayer::Portals),
+            cells: self.drawn.contains(&ExtraLayer::Cells),
+            portals: self.drawn.contains(&ExtraLayer::Portals),
         }
     }
 }
@@ -102,8 +102,8 @@ pub struct GeojsonArgs {
     subject: SubjectArgs,
     /// What to write [default: cells, portals, walls; with --from or --cell also visible and
     /// sightlines, with --eye also area]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYERS")]
-    layers: Vec<LayerArg>,
+    #[arg(long = "layers", value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    written: Vec<LayerArg>,
     /// Write what the cell around this point sees
     #[arg(long, value_name = "X,Y", value_parser = super::super::level_args::point)]
     #[arg(allow_hyphen_values = true, conflicts_with = "cell")]
@@ -313,7 +313,7 @@ pub fn uvtt(args: &UvttArgs) -> Result<Answer> {
 /// Runs `export geojson`.
 pub fn geojson(args: &GeojsonArgs) -> Result<Answer> {
     let sourced = args.from.is_some() || args.cell.is_some();
-    let mut layers: Vec<LayerArg> = args.layers.clone();
+    let mut layers: Vec<LayerArg> = args.written.clone();
     if layers.is_empty() {
         layers = vec![LayerArg::Cells, LayerArg::Portals, LayerArg::Walls];
         if sourced {
