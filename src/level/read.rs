@@ -12,7 +12,9 @@ use super::Level;
 use super::doom::{self, DoomError};
 use super::draft::Draft;
 use super::drawing::DrawingOptions;
+use super::dxf::{self, DxfError};
 use super::snap::{SnapError, snap};
+use super::svg::{self, SvgError};
 use super::toml::{self, TomlError};
 use super::uvtt::{self, UvttError};
 use super::wad::{Wad, WadError};
@@ -67,6 +69,22 @@ pub enum ReadError {
         file: String,
         /// The mistake, with line and column.
         error: Box<TomlError>,
+    },
+    /// A mistake in a DXF drawing.
+    #[error("{file}, {error}")]
+    Dxf {
+        /// File name.
+        file: String,
+        /// The mistake.
+        error: DxfError,
+    },
+    /// A mistake in an SVG drawing.
+    #[error("{file}, {error}")]
+    Svg {
+        /// File name.
+        file: String,
+        /// The mistake.
+        error: SvgError,
     },
     /// A mistake in a Universal VTT map.
     #[error("{file}, {error}")]
@@ -130,6 +148,8 @@ pub struct Source {
 enum Contents {
     Toml(String),
     Wad(Wad),
+    Dxf(Vec<u8>),
+    Svg(String),
     Uvtt(String),
 }
 
@@ -150,6 +170,8 @@ impl Source {
         let contents = match format_of(&bytes, file_name) {
             Some(Format::Wad) => wad(bytes, &file)?,
             Some(Format::Toml) => Contents::Toml(text(bytes, &file)?),
+            Some(Format::Dxf) => Contents::Dxf(bytes),
+            Some(Format::Svg) => Contents::Svg(text(bytes, &file)?),
             Some(Format::Uvtt) => Contents::Uvtt(text(bytes, &file)?),
             None => return Err(ReadError::UnknownFormat { file }),
         };
@@ -189,6 +211,20 @@ impl Source {
                     file: file(),
                     error: error.into(),
                 })
+            }
+            (Contents::Dxf(bytes), None) => {
+                let draft = dxf::read(bytes, &self.file, &self.options);
+                self.drawing(draft.map_err(|error| ReadError::Dxf {
+                    file: file(),
+                    error,
+                })?)
+            }
+            (Contents::Svg(text), None) => {
+                let draft = svg::read(text, &self.file, &self.options);
+                self.drawing(draft.map_err(|error| ReadError::Svg {
+                    file: file(),
+                    error,
+                })?)
             }
             (Contents::Uvtt(text), None) => {
                 let draft = uvtt::read(text, &self.file, &self.options);
@@ -241,6 +277,8 @@ pub fn read(bytes: Vec<u8>, file_name: &str, map: Option<&str>) -> Result<Level,
 enum Format {
     Wad,
     Toml,
+    Dxf,
+    Svg,
     Uvtt,
 }
 
@@ -255,12 +293,18 @@ fn format_of(bytes: &[u8], file_name: &str) -> Option<Format> {
     match ending.to_lowercase().as_str() {
         "wad" => Some(Format::Wad),
         "toml" => Some(Format::Toml),
+        "dxf" => Some(Format::Dxf),
+        "svg" => Some(Format::Svg),
         "uvtt" | "dd2vtt" | "df2vtt" => Some(Format::Uvtt),
         _ => {
             let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
             let start = start.trim_start_matches('\u{feff}').trim_start();
             if start.starts_with('{') && start.contains("\"resolution\"") {
                 Some(Format::Uvtt)
+            } else if start.starts_with('<') && start.contains("<svg") {
+                Some(Format::Svg)
+            } else if start.starts_with("AutoCAD Binary DXF") || start.contains("SECTION") {
+                Some(Format::Dxf)
             } else {
                 None
             }

@@ -20,6 +20,7 @@
 //! divided by its perimeter), is the body of a wall: outside, too. A face as thin whose rim is mostly
 //! openings is a threshold and belongs to the largest room beside it. Every other face is a room.
 
+pub mod collect;
 pub mod faces;
 pub mod flatten;
 pub mod gaps;
@@ -44,7 +45,7 @@ use self::opening::Hole;
 use self::role::LayerRule;
 use self::rooms::Ground;
 use self::unit::Unit;
-use crate::geom::Grid;
+use crate::geom::{Grid, Step};
 
 /// How drawings are understood; the same for all formats.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,7 +118,7 @@ pub struct Swing {
 /// A text on the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// The text, in one line.
+    /// The text; the first of its lines that may be a name is one.
     pub text: String,
     /// Where it stands (its middle, if the format tells).
     pub at: DVec2,
@@ -138,8 +139,9 @@ pub struct Drawing {
     pub strokes: Vec<Stroke>,
     /// Doors and windows.
     pub symbols: Vec<Symbol>,
-    /// Closed outlines whose inside is solid; their edges are among the strokes.
-    pub solids: Vec<Vec<DVec2>>,
+    /// Solid shapes, each a set of closed rings; what lies within an odd number of them is solid. Their
+    /// edges are among the strokes.
+    pub solids: Vec<Vec<Vec<DVec2>>>,
     /// Texts.
     pub labels: Vec<Label>,
     /// Part of the drawing's extent by which its program may have rounded: nearer ends are one.
@@ -243,7 +245,7 @@ pub fn understand(drawing: Drawing, options: &DrawingOptions) -> Result<Draft, D
 /// What a plan is made of beside its walls.
 struct Shapes<'a> {
     symbols: &'a [Symbol],
-    solids: &'a [Vec<DVec2>],
+    solids: &'a [Vec<Vec<DVec2>>],
     labels: &'a [Label],
     unit: &'a Unit,
 }
@@ -265,7 +267,7 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
     let cut = opening::place(&strokes, shapes.symbols, sizes, &mut findings);
     strokes.extend(cut.caps);
     let raw = raw_points(&strokes, &cut.holes);
-    let grid = choose_grid(Numbers::Decimal, &raw)?;
+    let grid = refined(choose_grid(Numbers::Decimal, &raw)?, &raw, sizes.extent);
     let mut net = noding::node(&grid, &strokes, &cut.holes, sizes, &mut findings)?;
     gaps::mend(&grid, &mut net, &strokes, sizes, &mut findings)?;
     net.tell_doubles(&strokes, &mut findings);
@@ -281,6 +283,24 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
         ground,
         findings,
     })
+}
+
+/// A finer grid where points are computed: at least five million steps across the plan.
+fn refined(mut grid: Grid, points: &[RawPoint], extent: f64) -> Grid {
+    const STEPS: f64 = 5e6;
+    if points.iter().all(|p| p.written) {
+        return grid;
+    }
+    while extent / grid.step.length() < STEPS
+        && let Step::Decimal(k) = grid.step
+        && k < 22
+        && grid.origin.iter().all(|n| n.abs() < 1 << 47)
+    {
+        // A tenth of a step counts ten times as many: the origin stays where it is.
+        grid.step = Step::Decimal(k + 1);
+        grid.origin = grid.origin.map(|n| n * 10);
+    }
+    grid
 }
 
 impl Plan {

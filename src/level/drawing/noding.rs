@@ -105,7 +105,7 @@ pub fn node(
     for (i, ends) in ends.into_iter().enumerate() {
         let hole = i.checked_sub(strokes.len()).map(|h| h as u32);
         if ends[0] == ends[1] {
-            if hole.is_none() {
+            if hole.is_none() && strokes[i].written == [true; 2] {
                 zero.push(strokes[i].place);
             }
             continue;

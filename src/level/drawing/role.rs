@@ -150,6 +150,13 @@ const WORDS: [(Role, &[&str]); 6] = [
             "*SANITAER*",
             "*SANITÄR*",
             "*PLUMB*",
+            "*DESK*",
+            "*CHAIR*",
+            "*TABLE*",
+            "*SOFA*",
+            "*TOILET*",
+            "*SINK*",
+            "*SHELF*",
         ],
     ),
     (

@@ -92,11 +92,12 @@ pub(super) fn classify(
         .enumerate()
         .map(|(i, face)| measure(i, face, net, faces, &ends, grid, sizes))
         .collect();
-    let boxes: Vec<(DVec2, DVec2)> = solids.iter().map(|ring| bounds(ring)).collect();
+    let boxes: Vec<(DVec2, DVec2)> = solids.iter().map(|rings| bounds(rings)).collect();
     for face in measured.iter_mut().filter(|f| f.kind != Kind::Outside) {
         let p = face.inside;
-        let mut around = solids.iter().zip(&boxes).filter(|(ring, (low, high))| {
-            p.cmpge(*low).all() && p.cmple(*high).all() && ring_contains(ring, p)
+        let mut around = solids.iter().zip(&boxes).filter(|(rings, (low, high))| {
+            let n = || rings.iter().filter(|ring| ring_contains(ring, p)).count();
+            p.cmpge(*low).all() && p.cmple(*high).all() && n() % 2 == 1
         });
         if around.next().is_some() {
             face.kind = Kind::Solid;
@@ -166,10 +167,11 @@ fn point(p: DVec2) -> Place {
     Place::Point { x: p.x, y: p.y }
 }
 
-fn bounds(points: &[DVec2]) -> (DVec2, DVec2) {
+fn bounds(rings: &[Vec<DVec2>]) -> (DVec2, DVec2) {
     let start = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
-    points
+    rings
         .iter()
+        .flatten()
         .fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
 }
 
@@ -277,7 +279,10 @@ fn names(
     ends: &impl Fn(u32) -> [DVec2; 2],
 ) -> Vec<Option<String>> {
     let mut names: Vec<Option<(f64, String)>> = vec![None; rooms.len()];
-    for label in labels.iter().filter(|l| is_name(&l.text)) {
+    for label in labels {
+        let Some(text) = label.text.lines().find(|line| is_name(line)) else {
+            continue;
+        };
         let p = label.at;
         let around = |face: &usize| {
             let (m, rim) = (&measured[*face], &faces.faces[*face].rim);
@@ -296,7 +301,7 @@ fn names(
             .as_ref()
             .is_none_or(|(height, _)| label.height > *height)
         {
-            *name = Some((label.height, label.text.clone()));
+            *name = Some((label.height, text.trim().to_string()));
         }
     }
     names.into_iter().map(|n| n.map(|(_, text)| text)).collect()
@@ -317,18 +322,22 @@ fn is_name(text: &str) -> bool {
 fn tell(measured: &[Measured], unit: &Unit, sizes: &Sizes) -> Vec<Finding> {
     let of = |kind: Kind| measured.iter().filter(move |f| f.kind == kind);
     let places = |kind: Kind| -> Vec<Place> { of(kind).map(|f| point(f.inside)).collect() };
-    let areas: Vec<f64> = of(Kind::Room).map(|f| f.area).collect();
+    // People know areas by the square metre.
+    let (factor, square) = match unit.metres {
+        Some(metres) if unit.name != "square" => (metres * metres, "m²".to_string()),
+        _ => (1.0, format!("{}²", unit.name)),
+    };
+    let areas: Vec<f64> = of(Kind::Room).map(|f| f.area * factor).collect();
     let listed: Vec<String> = areas.iter().take(SHOWN).map(|a| length(*a)).collect();
     let more = match areas.len().saturating_sub(SHOWN) {
         0 => String::new(),
         n => format!(", and {} more", grouped(n as u64)),
     };
     let rooms = format!(
-        "Inside: {} of together {} {u}². Areas, in the order of places: {}{more}.",
+        "Inside: {} of together {} {square}. Areas, in the order of places: {}{more}.",
         count(areas.len(), "room"),
         length(areas.iter().sum()),
         listed.join(", "),
-        u = unit.name,
     );
     let none = Finding {
         code: "no-room",

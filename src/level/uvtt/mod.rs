@@ -149,7 +149,7 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
     for line in objects.iter().filter(|l| l.len() > 3) {
         let ring: Vec<DVec2> = line.iter().map(|p| map.at(*p)).collect();
         if ring.first() == ring.last() {
-            solids.push(ring);
+            solids.push(vec![ring]);
         }
     }
     let (mut symbols, mut odd) = (Vec::new(), Vec::new());
