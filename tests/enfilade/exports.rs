@@ -118,6 +118,14 @@ fn there_and_back(
     }
 }
 
+/// The lower left and upper right corner of a level's walls.
+fn extent(level: &Level) -> [DVec2; 2] {
+    let ends = level.walls.iter().flat_map(|wall| [wall.from, wall.to]);
+    let ends = ends.map(|p| level.grid.to_level(p)).map(|p| [p, p]);
+    let both = ends.reduce(|[low, high], [p, _]| [low.min(p), high.max(p)]);
+    both.expect("a level has walls")
+}
+
 /// A difference of decimals as the decimal that it is.
 fn decimal(x: f64) -> f64 {
     (x * 1e9).round() / 1e9
@@ -127,13 +135,7 @@ fn decimal(x: f64) -> f64 {
 fn toml_to_uvtt_and_back_keeps_the_pvs() {
     there_and_back("uvtt", &[], &SAMPLES, |level, p| {
         // The lower left corner of the map, with a square of margin, is where the map begins.
-        let units = level
-            .walls
-            .iter()
-            .flat_map(|w| [w.from, w.to])
-            .map(|p| level.grid.to_level(p));
-        let low = units.reduce(DVec2::min).unwrap();
-        (p - low + 1.0).map(decimal)
+        (p - extent(level)[0] + 1.0).map(decimal)
     });
 }
 
@@ -144,7 +146,13 @@ fn toml_to_dxf_and_back_keeps_the_pvs() {
 
 #[test]
 fn toml_to_svg_and_back_keeps_the_pvs() {
-    there_and_back("svg", &[], &SAMPLES, |_, p| p);
+    there_and_back("svg", &[], &SAMPLES, |level, p| {
+        // y counts from the foot of the page, which is a whole number.
+        let [low, high] = extent(level);
+        let margin = ((high - low).max_element() / 50.0).ceil();
+        let foot = (low.y - margin).floor();
+        DVec2::new(p.x, decimal(p.y - foot))
+    });
 }
 
 #[test]
@@ -205,7 +213,7 @@ fn every_format_takes_levels_maps_and_pvs_files() {
         let plain = |text: String| -> Vec<String> {
             let rows = text
                 .lines()
-                .map(|line| line.split(',').filter(|s| !s.is_empty()).last());
+                .map(|line| line.split(',').rfind(|s| !s.is_empty()));
             rows.map(|last| last.unwrap_or_default().to_string())
                 .collect()
         };

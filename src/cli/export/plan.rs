@@ -56,7 +56,12 @@ pub struct SvgArgs {
 #[derive(Debug, Args)]
 struct ExtraArgs {
     /// What is drawn beside walls and openings
-    #[arg(long = "layers", value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    #[arg(
+        long = "layers",
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LAYERS"
+    )]
     #[arg(default_values = ["cells", "portals"])]
     drawn: Vec<ExtraLayer>,
 }
@@ -102,7 +107,12 @@ pub struct GeojsonArgs {
     subject: SubjectArgs,
     /// What to write [default: cells, portals, walls; with --from or --cell also visible and
     /// sightlines, with --eye also area]
-    #[arg(long = "layers", value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    #[arg(
+        long = "layers",
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LAYERS"
+    )]
     written: Vec<LayerArg>,
     /// Write what the cell around this point sees
     #[arg(long, value_name = "X,Y", value_parser = super::super::level_args::point)]

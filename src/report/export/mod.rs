@@ -99,3 +99,14 @@ fn labels<'a>(known: &Known<'a>) -> Vec<(&'a str, DVec2, f64)> {
         .filter_map(label)
         .collect()
 }
+
+/// A difference of decimals as the decimal that it is: `8 - 7.7` is 0.3. Not beyond nine digits after the
+/// point.
+fn decimal(x: f64) -> f64 {
+    let rounded = (x * 1e9).round() / 1e9;
+    if (rounded - x).abs() < 1e-10 {
+        rounded
+    } else {
+        x
+    }
+}

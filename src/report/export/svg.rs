@@ -1,11 +1,13 @@
 //! SVG drawings of the plan in layers, for Inkscape and for the reader of this crate.
 //!
-//! One user unit is one unit of the level; y goes down, so every y is the level's with its sign turned,
-//! and all numbers have as many digits as it takes to read the same ones back. Layers are groups with an
-//! `id`, a `class` and Inkscape's label: `cells`, `portals`, `steps`, `walls`, `columns`, `archways`,
-//! `doors`, `windows`, `rooms` (names). Each wall is an element of its own, of the class `wall`, and so
-//! are doors and the rest; cells have the ids `cell-0`, `cell-1`, … The size of the page is that of the
-//! level at 1:100, where its unit is known.
+//! One user unit is one unit of the level; y goes down and is 0 at the foot of the page: that is a whole
+//! number of units above the level's 0, told by `data-foot`. All numbers have as many digits as it takes
+//! to read the same ones back. SVG has no word for metres, so the unit is told by `data-unit` alone, and
+//! whoever reads the drawing again says `--unit`.
+//!
+//! Layers are groups with an `id`, a `class` and Inkscape's label: `cells`, `portals`, `steps`, `walls`,
+//! `columns`, `archways`, `doors`, `windows`, `rooms` (names). Each wall is an element of its own, of
+//! the class `wall`, and so are doors and the rest; cells have the ids `cell-0`, `cell-1`, …
 //!
 //! (The pictures of [`report::plan`](crate::report::plan) are for looking at; these are for working on.)
 
@@ -43,21 +45,19 @@ pub fn draw(known: &Known, extra: Extra) -> Document {
             "xmlns:inkscape",
             "http://www.inkscape.org/namespaces/inkscape",
         )
-        .set("viewBox", view_box([low.x, -high.y, size.x, size.y]))
+        .set("viewBox", view_box([low.x, -size.y, size.x, size.y]))
         .set("data-unit", &*known.info.unit)
+        .set("data-foot", low.y)
         .add(svg::node::element::Title::new(&*known.info.name))
         .add(Style::new(styled(scale)));
-    if let Some(millimetres) = millimetres(&known.info.unit) {
-        let page = |units: f64| format!("{}mm", units * millimetres / 100.0);
-        document = document
-            .set("width", page(size.x))
-            .set("height", page(size.y));
-    }
+    let page = Page { foot: low.y };
     if extra.cells {
         let cells = known.graph.cell_ids().map(|cell| {
             let corners = polygon(known.graph, cell);
             let sees = known.pvs.map(|pvs| pvs.seen_from(cell).count());
-            let mut area = shape(&corners, "cell").set("id", format!("cell-{}", cell.0));
+            let mut area = page
+                .shape(&corners, "cell")
+                .set("id", format!("cell-{}", cell.0));
             for (key, value) in [
                 (
                     "data-sector",
@@ -75,21 +75,21 @@ pub fn draw(known: &Known, extra: Extra) -> Document {
     }
     if extra.portals {
         let portals = known.graph.portals.iter().enumerate().map(|(i, portal)| {
-            let line = line(super::segment(known.graph, portal), "portal");
+            let line = page.line(super::segment(known.graph, portal), "portal");
             line.set("id", format!("portal-{i}"))
         });
         document = document.add(portals.fold(layer("portals", "Portals"), Group::add));
     }
     let Some(level) = known.level else {
         let walls = Lines::of_cells(known.graph).into_iter();
-        let walls = walls.map(|ends| line(ends, "wall"));
+        let walls = walls.map(|ends| page.line(ends, "wall"));
         return document.add(walls.fold(layer("walls", "Walls"), Group::add));
     };
     let lines = Lines::of_level(level, known.graph);
     let kind = |kind: Kind, class: &'static str| {
         lines.of(kind).map(move |drawn| {
             let ends = drawn.ends.map(|p| level.grid.to_level(p));
-            let mut element = line(ends, class);
+            let mut element = page.line(ends, class);
             if let Some(name) = &drawn.name {
                 element = element.set("inkscape:label", &**name);
             }
@@ -101,12 +101,12 @@ pub fn draw(known: &Known, extra: Extra) -> Document {
     };
     let solids = lines.solids.iter().map(|corners| {
         let corners: Vec<DVec2> = corners.iter().map(|&p| level.grid.to_level(p)).collect();
-        shape(&corners, "column")
+        page.shape(&corners, "column")
     });
     let rooms = super::labels(known).into_iter().map(|(name, at, height)| {
         Text::new(name)
             .set("x", at.x + 0.0)
-            .set("y", 0.0 - at.y)
+            .set("y", page.y(at.y))
             .set("font-size", height)
     });
     document
@@ -172,36 +172,33 @@ fn view_box(numbers: [f64; 4]) -> Value {
     numbers.map(|n| format!("{}", n + 0.0)).join(" ").into()
 }
 
-fn line([from, to]: [DVec2; 2], class: &str) -> Line {
-    Line::new()
-        .set("class", class)
-        .set("x1", from.x + 0.0)
-        .set("y1", 0.0 - from.y)
-        .set("x2", to.x + 0.0)
-        .set("y2", 0.0 - to.y)
+/// Where the foot of the page is: a y of the level.
+#[derive(Clone, Copy)]
+struct Page {
+    foot: f64,
 }
 
-fn shape(corners: &[DVec2], class: &str) -> Polygon {
-    let point = |p: &DVec2| format!("{},{}", p.x + 0.0, 0.0 - p.y);
-    let points: Vec<String> = corners.iter().map(point).collect();
-    Polygon::new()
-        .set("class", class)
-        .set("points", points.join(" "))
-}
+impl Page {
+    fn y(self, y: f64) -> f64 {
+        super::decimal(self.foot - y) + 0.0
+    }
 
-/// How long a unit is; `None` where nobody knows.
-fn millimetres(unit: &str) -> Option<f64> {
-    Some(match unit {
-        "mm" => 1.0,
-        "cm" => 10.0,
-        "dm" => 100.0,
-        "m" => 1000.0,
-        "km" => 1e6,
-        "in" => 25.4,
-        "ft" => 304.8,
-        "yd" => 914.4,
-        _ => return None,
-    })
+    fn line(self, [from, to]: [DVec2; 2], class: &str) -> Line {
+        Line::new()
+            .set("class", class)
+            .set("x1", from.x + 0.0)
+            .set("y1", self.y(from.y))
+            .set("x2", to.x + 0.0)
+            .set("y2", self.y(to.y))
+    }
+
+    fn shape(self, corners: &[DVec2], class: &str) -> Polygon {
+        let point = |p: &DVec2| format!("{},{}", p.x + 0.0, self.y(p.y));
+        let points: Vec<String> = corners.iter().map(point).collect();
+        Polygon::new()
+            .set("class", class)
+            .set("points", points.join(" "))
+    }
 }
 
 #[cfg(test)]
@@ -232,12 +229,13 @@ mod tests {
         let text = draw(&known, all).to_string();
         for part in [
             r#"inkscape:label="Walls""#,
-            r#"width="100mm""#,
+            r#"viewBox="-1 -6 10 6""#,
+            r#"data-foot="-1""#,
             "A &amp; &lt;B&gt;",
             r#"id="cell-0""#,
-            // Numbers as they are, y turned.
+            // x as it is, y from the foot of the page.
             r#"x1="0.1""#,
-            r#"y1="-4""#,
+            r#"y1="-5""#,
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }

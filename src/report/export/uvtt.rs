@@ -20,8 +20,8 @@ use base64::Engine;
 use glam::DVec2;
 use serde_json::{Value, json};
 
-use super::Known;
 use super::lines::{Drawn, Kind, Lines};
+use super::{Known, decimal};
 use crate::geom::GridPoint;
 use crate::level::Level;
 use crate::level::scene::{Light, LightShape};
@@ -171,17 +171,6 @@ impl Map {
             "color": format!("ff{r:02x}{g:02x}{b:02x}"),
             "shadows": true,
         }))
-    }
-}
-
-/// A difference of decimals as the decimal that it is: `8 - 7.7` is 0.3. Not beyond nine digits after the
-/// point.
-fn decimal(x: f64) -> f64 {
-    let rounded = (x * 1e9).round() / 1e9;
-    if (rounded - x).abs() < 1e-10 {
-        rounded
-    } else {
-        x
     }
 }
 
