@@ -16,9 +16,11 @@ pub mod flood;
 pub mod flow;
 pub mod heights;
 pub mod lp;
+pub mod runtime;
 pub mod sample;
 pub mod search;
 pub mod sectors;
+pub mod subsectors;
 pub mod sweep;
 pub mod verify;
 

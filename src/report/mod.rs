@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod explain;
+pub mod export;
 pub mod json;
 pub mod picture;
 pub mod plan;
