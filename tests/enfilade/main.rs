@@ -24,6 +24,7 @@ mod heights;
 mod methods;
 mod pictures;
 mod pixels;
+mod plans;
 mod preview;
 mod programme;
 mod property;

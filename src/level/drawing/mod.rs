@@ -268,7 +268,7 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
     let cut = opening::place(&strokes, shapes.symbols, sizes, &mut findings);
     strokes.extend(cut.caps);
     let raw = raw_points(&strokes, &cut.holes);
-    let grid = refined(choose_grid(Numbers::Decimal, &raw)?, &raw, sizes.extent);
+    let grid = refined(choose_grid(Numbers::Decimal, &raw)?, &raw);
     let mut net = noding::node(&grid, &strokes, &cut.holes, sizes, &mut findings)?;
     gaps::mend(&grid, &mut net, &strokes, sizes, &mut findings)?;
     net.tell_doubles(&strokes, &mut findings);
@@ -287,11 +287,17 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
 }
 
 /// A finer grid where points are computed: at least five million steps across the plan.
-fn refined(mut grid: Grid, points: &[RawPoint], extent: f64) -> Grid {
+fn refined(mut grid: Grid, points: &[RawPoint]) -> Grid {
     const STEPS: f64 = 5e6;
     if points.iter().all(|p| p.written) {
         return grid;
     }
+    let (low, high) = (points.iter())
+        .map(|p| p.at)
+        .fold((points[0].at, points[0].at), |(l, h), p| {
+            (l.min(p), h.max(p))
+        });
+    let extent = (high - low).max_element();
     while extent / grid.step.length() < STEPS
         && let Step::Decimal(k) = grid.step
         && k < 22
