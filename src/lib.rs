@@ -6,7 +6,7 @@
 //! ```text
 //! level file ──level──▶ Level ──cells──▶ CellGraph ──pvs──▶ Pvs ──┬──report──▶ JSON, plans, explanations
 //! (toml, wad)                  (bsp kd cdt)  (cells, portals)      ├──study───▶ what accuracy costs
-//!                                                                  └──pvs::file──▶ FILE.pvs
+//! svg, uvtt)                                                       └──pvs::file──▶ FILE.pvs
 //! ```
 //!
 //! # Rooms
@@ -16,7 +16,7 @@
 //! | module | in → out | what lives there |
 //! |---|---|---|
 //! | [`geom`] | numbers | grid points, lines, exact vertices, predicates that return a named side, intervals |
-//! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps; the door to the grid; findings |
+//! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps, and, through [`drawing`](level::drawing), for DXF, SVG and Universal VTT; the door to the grid; findings |
 //! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt` or by a `guide` from elsewhere, inside and outside, portals, point location |
 //! | [`sight`] | chain of portals → stabbing line, or why there is none | the exact funnel that grows and shrinks with the chain; the exact solver; the lecture's linear programme |
 //! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; what sectors and GL nodes' subsectors see; the file format, `runtime` for engines, `verify` |
@@ -60,7 +60,8 @@
 //!
 //! - Tolerances. What should touch but does not is joined at the door, counted and reported; after
 //!   that a gap is a gap.
-//! - Repairs that guess. A defect is repaired where there is one way to, else it is reported.
+//! - Repairs that guess. A defect is repaired where there is one way to, else it is reported; gaps in a
+//!   drawing are closed when somebody says up to which size.
 //! - State. There are no globals and no caches; options come in as one struct per stage.
 
 pub mod cells;

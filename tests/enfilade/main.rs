@@ -26,6 +26,7 @@ mod heights;
 mod methods;
 mod pictures;
 mod pixels;
+mod plans;
 mod preview;
 mod programme;
 mod property;

@@ -15,7 +15,8 @@
 //! 5. [`rooms`]: which faces are rooms, and what they are called.
 //!
 //! # Inside and outside
-//! A face is outside where nothing encloses it, or inside a shape that is drawn as a solid (a column).
+//! A face is outside where nothing encloses it, or inside a shape that is drawn as a solid (a column, a
+//! filled wall) and no opening leads into it.
 //! A face into which no opening leads, and which is no wider than the thickest wall (twice its area
 //! divided by its perimeter), is the body of a wall: outside, too. A face as thin whose rim is mostly
 //! openings is a threshold and belongs to the largest room beside it. Every other face is a room.
@@ -267,7 +268,7 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
     let cut = opening::place(&strokes, shapes.symbols, sizes, &mut findings);
     strokes.extend(cut.caps);
     let raw = raw_points(&strokes, &cut.holes);
-    let grid = refined(choose_grid(Numbers::Decimal, &raw)?, &raw, sizes.extent);
+    let grid = refined(choose_grid(Numbers::Decimal, &raw)?, &raw);
     let mut net = noding::node(&grid, &strokes, &cut.holes, sizes, &mut findings)?;
     gaps::mend(&grid, &mut net, &strokes, sizes, &mut findings)?;
     net.tell_doubles(&strokes, &mut findings);
@@ -286,11 +287,17 @@ fn plan(mut strokes: Vec<Stroke>, shapes: &Shapes, sizes: &Sizes) -> Result<Plan
 }
 
 /// A finer grid where points are computed: at least five million steps across the plan.
-fn refined(mut grid: Grid, points: &[RawPoint], extent: f64) -> Grid {
+fn refined(mut grid: Grid, points: &[RawPoint]) -> Grid {
     const STEPS: f64 = 5e6;
     if points.iter().all(|p| p.written) {
         return grid;
     }
+    let (low, high) = (points.iter())
+        .map(|p| p.at)
+        .fold((points[0].at, points[0].at), |(l, h), p| {
+            (l.min(p), h.max(p))
+        });
+    let extent = (high - low).max_element();
     while extent / grid.step.length() < STEPS
         && let Step::Decimal(k) = grid.step
         && k < 22

@@ -121,7 +121,7 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
     let document = Document::parse_with_options(text, limits).map_err(|e| SvgError::Xml {
         line: e.pos().row,
         column: e.pos().col,
-        message: e.to_string(),
+        message: without_place(&e.to_string()),
     })?;
     let root = document.root_element();
     let at = document.text_pos_at(root.range().start);
@@ -172,6 +172,16 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
         scene: Scene::default(),
         findings: collected.findings,
     })
+}
+
+/// roxmltree ends most of its messages with the place, which we say ourselves.
+fn without_place(message: &str) -> String {
+    match message.rsplit_once(" at ") {
+        Some((message, place)) if place.bytes().all(|b| b.is_ascii_digit() || b == b':') => {
+            message.to_string()
+        }
+        _ => message.to_string(),
+    }
 }
 
 fn title(root: &Node) -> Option<String> {
