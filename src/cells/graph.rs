@@ -1,6 +1,7 @@
 //! The finished product of this stage: cells, their edges, and the portals between them.
 
 mod parts;
+mod walled;
 
 use std::ops::Range;
 
@@ -178,6 +179,21 @@ impl CellGraph {
     /// The two cells that a portal joins.
     pub fn joined(&self, portal: &Portal) -> [CellId; 2] {
         portal.edges.map(|e| self.edge(e).cell)
+    }
+
+    /// The same cells and edges with some portals walled up: of each, either edge is named. Those edges
+    /// have no other side any more, and may have no wall of the level.
+    pub fn closed(&self, edges: &[EdgeId]) -> CellGraph {
+        let mut graph = self.clone();
+        for &e in edges {
+            if let Some(twin) = self.edge(e).twin() {
+                graph.edges[e.0 as usize].twin = EdgeId::NONE;
+                graph.edges[twin.0 as usize].twin = EdgeId::NONE;
+            }
+        }
+        let (portals, edges) = (&mut graph.portals, &graph.edges);
+        portals.retain(|p| edges[p.edges[0].0 as usize].twin().is_some());
+        graph
     }
 
     /// Number of edges that are walls.

@@ -14,6 +14,7 @@ mod picture;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod stage;
 mod study;
 mod summary;
@@ -43,6 +44,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     Plan(plan::PlanArgs),
     Render(render::RenderArgs),
+    Report(report::ReportArgs),
     Study(study::StudyArgs),
     View(view::ViewArgs),
     Walk(walk::WalkArgs),
@@ -80,6 +82,7 @@ pub fn main(memory: Option<Memory>) -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Study(args) => study::run(&args, memory),
         Command::View(args) => view::run(&args),
         Command::Walk(args) => walk::run(&args),

@@ -239,8 +239,16 @@ pub enum PathLook {
 pub struct Budget {
     /// Most cells that any cell may see.
     pub max_visible_cells: Option<u64>,
+    /// Most polygons that may lie in what any cell sees.
+    pub max_visible_polygons: Option<u64>,
     /// Most walls that any cell may see.
     pub max_visible_walls: Option<u64>,
+    /// Most cells that a cell may see in the mean.
+    pub max_mean_visible_cells: Option<f64>,
+    /// Most polygons that a cell may see in the mean.
+    pub max_mean_visible_polygons: Option<f64>,
+    /// Greatest length of a sightline, in the level's unit.
+    pub max_sightline: Option<f64>,
     /// Largest share of all pairs of cells that may see each other, 0 to 1.
     pub max_density: Option<f64>,
 }

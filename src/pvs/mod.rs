@@ -7,6 +7,7 @@
 //! compared with. What each promises is its [`Class`].
 
 mod bits;
+pub mod closing;
 pub mod explain;
 pub mod eye;
 mod fan;
@@ -15,6 +16,7 @@ mod flat;
 pub mod flood;
 pub mod flow;
 pub mod heights;
+pub mod longest;
 pub mod lp;
 pub mod runtime;
 pub mod sample;

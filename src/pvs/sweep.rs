@@ -29,19 +29,19 @@ use crate::cells::{CellGraph, EdgeId};
 use crate::geom::{Side, VertexId};
 
 /// Consecutive cells around a vertex, not parted by a wall.
-struct Group {
-    vertex: VertexId,
+pub(super) struct Group {
+    pub vertex: VertexId,
     /// Range of [`Plan::bases`].
-    first: u32,
-    end: u32,
-    span: Span,
+    pub first: u32,
+    pub end: u32,
+    pub span: Span,
     /// Whether rule 1 is applied to some of its cells.
-    covers: bool,
+    pub covers: bool,
 }
 
 /// The angle that a group takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Span {
+pub(super) enum Span {
     /// At most a half turn, or all around without any wall: rule 1 is simple, rule 2 adds nothing.
     Simple,
     /// More than a half turn between two walls: rule 2 applies.
@@ -51,12 +51,12 @@ enum Span {
 }
 
 /// What is done about which vertex.
-struct Plan {
-    groups: Vec<Group>,
+pub(super) struct Plan {
+    pub groups: Vec<Group>,
     /// Edges that start in the group's vertex, counterclockwise.
-    bases: Vec<EdgeId>,
+    pub bases: Vec<EdgeId>,
     /// Whether rule 1 is applied here to the base's cell.
-    covers: Vec<bool>,
+    pub covers: Vec<bool>,
 }
 
 /// The exact PVS. Uses the current rayon thread pool; the result does not depend on its size.
@@ -93,9 +93,16 @@ pub fn sweep(graph: &CellGraph, progress: &Progress) -> Pvs {
     }
 }
 
-/// Groups the cells around every vertex, and picks for every cell a corner for rule 1: where the
+/// Groups the cells around every vertex (see [`grouped`]), and picks for every cell a corner for rule 1: where the
 /// fan is walked anyway, or else where it serves most cells.
-fn plan(graph: &CellGraph) -> Plan {
+pub(super) fn plan(graph: &CellGraph) -> Plan {
+    let mut plan = grouped(graph);
+    cover(graph, &mut plan);
+    plan
+}
+
+/// The cells around every vertex in groups.
+pub(super) fn grouped(graph: &CellGraph) -> Plan {
     let n_edges = graph.edges.len() as u32;
     let mut plan = Plan {
         groups: Vec::new(),
@@ -139,7 +146,6 @@ fn plan(graph: &CellGraph) -> Plan {
             });
         }
     }
-    cover(graph, &mut plan);
     plan
 }
 

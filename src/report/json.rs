@@ -66,6 +66,11 @@ pub fn write_known(
         pvs,
         seconds,
     };
+    write_lines(out, &document)
+}
+
+/// Writes an object with a line for each of its keys, and for each element of an array there.
+pub(super) fn write_lines(out: impl Write, document: &impl Serialize) -> io::Result<()> {
     let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
     document.serialize(&mut serializer)?;
     serializer.into_inner().write_all(b"\n")
@@ -132,11 +137,7 @@ impl Serialize for Document<'_> {
             seconds,
         } = self;
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("format", "enfilade.pvs")?;
-        map.serialize_entry("version", &1)?;
-        map.serialize_entry("level", &LevelHead(info))?;
-        map.serialize_entry("subdivision", graph.options.subdivision.as_str())?;
-        map.serialize_entry("visibility", &Visibility { graph, pvs })?;
+        head(&mut map, "enfilade.pvs", info, graph, pvs)?;
         map.serialize_entry("seconds", seconds)?;
         map.serialize_entry(
             "cells",
@@ -150,6 +151,21 @@ impl Serialize for Document<'_> {
         map.serialize_entry("visible", &each(graph.cell_ids().map(row)))?;
         map.end()
     }
+}
+
+/// The keys with which all documents about a PVS begin.
+pub(super) fn head<M: SerializeMap>(
+    map: &mut M,
+    format: &str,
+    info: &LevelInfo,
+    graph: &CellGraph,
+    pvs: &Pvs,
+) -> Result<(), M::Error> {
+    map.serialize_entry("format", format)?;
+    map.serialize_entry("version", &1)?;
+    map.serialize_entry("level", &LevelHead(info))?;
+    map.serialize_entry("subdivision", graph.options.subdivision.as_str())?;
+    map.serialize_entry("visibility", &Visibility { graph, pvs })
 }
 
 struct LevelHead<'a>(&'a LevelInfo);
@@ -212,15 +228,16 @@ fn cell(sectors: &[Sector], graph: &CellGraph, id: CellId) -> CellRecord {
     }
 }
 
+/// A portal as other programs are told of it.
 #[derive(Serialize)]
-struct PortalRecord {
+pub(super) struct PortalRecord {
     cells: [u32; 2],
     segment: [[f64; 2]; 2],
     bottom: Option<f64>,
     top: Option<f64>,
 }
 
-fn portal(graph: &CellGraph, portal: &Portal) -> PortalRecord {
+pub(super) fn portal(graph: &CellGraph, portal: &Portal) -> PortalRecord {
     let [first, _] = portal.edges;
     let ends = [graph.edge(first).origin, graph.end(first)];
     PortalRecord {
@@ -232,9 +249,10 @@ fn portal(graph: &CellGraph, portal: &Portal) -> PortalRecord {
 }
 
 /// An iterator as a JSON array. It is used up when serialised.
-struct Each<I>(std::cell::RefCell<I>);
+pub(super) struct Each<I>(std::cell::RefCell<I>);
 
-fn each<I: Iterator>(items: I) -> Each<I> {
+/// The items as an array.
+pub(super) fn each<I: Iterator>(items: I) -> Each<I> {
     Each(items.into())
 }
 

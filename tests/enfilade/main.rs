@@ -35,6 +35,7 @@ mod readers;
 mod readme;
 mod regression;
 mod render;
+mod report;
 mod stability;
 mod study;
 mod tidy;

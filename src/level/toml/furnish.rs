@@ -13,8 +13,8 @@ use super::super::scene::{
 use super::error::TomlError;
 use super::names::Names;
 use super::record::{
-    CameraTable, File, Finite, LightKind, LightTable, MaterialTable, ObjectKind, ObjectTable,
-    PathTable, Point3, Positive,
+    BudgetTable, CameraTable, File, Finite, LightKind, LightTable, MaterialTable, ObjectKind,
+    ObjectTable, PathTable, Point3, Positive,
 };
 use super::source::SourceText;
 
@@ -39,13 +39,22 @@ pub(super) fn read_scene(
         objects: each(&file.object, |o| object(source, o, materials))?,
         cameras: each(&file.camera, |c| camera(source, c))?,
         paths: each(&file.path, |p| path(source, p))?,
-        budget: Budget {
-            max_visible_cells: file.budget.max_visible_cells,
-            max_visible_walls: file.budget.max_visible_walls,
-            max_density: file.budget.max_density.map(|d| d.0),
-        },
+        budget: budget(&file.budget),
         dress: Dress::default(),
     })
+}
+
+fn budget(table: &BudgetTable) -> Budget {
+    let length = |x: Option<Positive>| x.map(|x| x.0);
+    Budget {
+        max_visible_cells: table.max_visible_cells,
+        max_visible_polygons: table.max_visible_polygons,
+        max_visible_walls: table.max_visible_walls,
+        max_mean_visible_cells: length(table.max_mean_visible_cells),
+        max_mean_visible_polygons: length(table.max_mean_visible_polygons),
+        max_sightline: length(table.max_sightline),
+        max_density: table.max_density.map(|d| d.0),
+    }
 }
 
 fn each<T, U>(

@@ -43,7 +43,7 @@
 //! | `numbers` | `"decimal"`; `"binary"` where coordinates are whole numbers or binary fractions (a converted Doom map): the grid's step is then a power of two |
 //! | `start` | only in a level without rooms: points `[[x, y], …]` in its inside. What walls enclose around one of them is the level; without any, whatever walls enclose |
 //! | `[defaults]` | `floor` (0), `ceiling` (3 above the floor), `materials = { walls, floor, ceiling }`, and heights for openings that do not give their own: `door_height`, `window_sill`, `window_height`, `archway_height` (otherwise from floor to ceiling) |
-//! | `[budget]` | limits for reports: `max_visible_cells`, `max_visible_walls`, `max_density` (0 to 1) |
+//! | `[budget]` | limits for reports: `max_visible_cells`, `max_visible_polygons`, `max_visible_walls`, `max_mean_visible_cells`, `max_mean_visible_polygons`, `max_sightline` (in the level's unit), `max_density` (0 to 1) |
 //!
 //! # Plan
 //! | table | keys |

@@ -431,6 +431,10 @@ pub(super) struct PathTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct BudgetTable {
     pub max_visible_cells: Option<u64>,
+    pub max_visible_polygons: Option<u64>,
     pub max_visible_walls: Option<u64>,
+    pub max_mean_visible_cells: Option<Positive>,
+    pub max_mean_visible_polygons: Option<Positive>,
+    pub max_sightline: Option<Positive>,
     pub max_density: Option<Share>,
 }

@@ -272,7 +272,7 @@ fn the_scene_is_read() {
          [[camera]]\nname = 'c'\neye = [1, 1, 1.6]\nlook = [5, 1, 1.6]\n\
          [[path]]\nname = 'p'\npoints = [[1, 1, 1.6], [5, 1, 1.6]]\nseconds = 4\n\
          [[path]]\nname = 'q'\npoints = [[1, 1], [5, 1], [5, 2]]\neye = 1.5\nspeed = 1.2\nclosed = true\nfov = 75\nlook = [3, 3, 1]\n\
-         [budget]\nmax_visible_cells = 12",
+         [budget]\nmax_visible_cells = 12\nmax_sightline = 8.5\nmax_mean_visible_polygons = 30",
     );
     let scene = &level.scene;
     assert_eq!(scene.materials[0].ior, 1.52);
@@ -295,6 +295,8 @@ fn the_scene_is_read() {
     assert_eq!(q.pace, PathPace::Speed(1.2));
     assert!(matches!(q.look, PathLook::At(p) if p.z == 1.0));
     assert_eq!(scene.budget.max_visible_cells, Some(12));
+    assert_eq!(scene.budget.max_sightline, Some(8.5));
+    assert_eq!(scene.budget.max_mean_visible_polygons, Some(30.0));
 }
 
 /// Every mistake is reported with its place and with what to do.

@@ -220,7 +220,8 @@ impl<'a> Layers<'a> {
     }
 }
 
-fn line_of(level: &Level, graph: &CellGraph, id: EdgeId) -> Line {
+/// What stands on an edge.
+pub fn line_of(level: &Level, graph: &CellGraph, id: EdgeId) -> Line {
     let edge = graph.edge(id);
     let Some(wall) = edge.wall() else {
         return Line::Border;

@@ -21,6 +21,7 @@ use svg::node::element::Rectangle;
 pub use self::explained::draw_explained;
 pub use self::eye::EyeView;
 use self::layers::Layers;
+pub(super) use self::layers::{Line, line_of};
 use self::sheet::Sheet;
 use super::sightlines::Sightline;
 use crate::cells::{CellGraph, CellId};

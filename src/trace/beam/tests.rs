@@ -309,7 +309,11 @@ fn streams_past_corners_and_along_walls() {
                     let along = (b - a).extend(near[2]);
                     (a.extend(middle), along, Some(Surface::Wall(EdgeId(edge))))
                 }
-                4 => (centre.extend(middle), DVec3::new(0.0, 0.0, near[0].signum()), None),
+                4 => (
+                    centre.extend(middle),
+                    DVec3::new(0.0, 0.0, near[0].signum()),
+                    None,
+                ),
                 _ => {
                     let origin = (centre * 3.0).extend(middle);
                     (origin, target - origin, None)

@@ -20,7 +20,17 @@ pub(super) fn scene(text: &mut Text, level: &Level, left_out: &mut Vec<String>) 
         let count = |n: Option<u64>| n.map(|n| n.to_string());
         for (key, value) in [
             ("max_visible_cells", count(budget.max_visible_cells)),
+            ("max_visible_polygons", count(budget.max_visible_polygons)),
             ("max_visible_walls", count(budget.max_visible_walls)),
+            (
+                "max_mean_visible_cells",
+                budget.max_mean_visible_cells.map(number),
+            ),
+            (
+                "max_mean_visible_polygons",
+                budget.max_mean_visible_polygons.map(number),
+            ),
+            ("max_sightline", budget.max_sightline.map(number)),
             ("max_density", budget.max_density.map(number)),
         ] {
             if let Some(value) = value {
