@@ -39,8 +39,8 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "SIZE", value_parser = size)]
     tolerance: Option<f64>,
     /// What layers (classes, ids, blocks) are, by their names: wall=A-WALL*, also column, door,
-    /// window, furniture, ignored; may be given several times
-    #[arg(long = "layer", value_name = "WHAT=PATTERN")]
+    /// window, archway, furniture, ignored; may be given several times
+    #[arg(id = "layer_rules", long = "layer", value_name = "WHAT=PATTERN")]
     layers: Vec<LayerRule>,
     /// Join ends of walls that are up to so far apart, in the level's unit; each is reported
     #[arg(long, value_name = "SIZE", value_parser = size)]

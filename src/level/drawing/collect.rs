@@ -166,6 +166,7 @@ impl Collector {
         let style = match ink.role {
             Some(Role::Door) => Some(OpeningStyle::Door),
             Some(Role::Window) => Some(OpeningStyle::Window),
+            Some(Role::Archway) => Some(OpeningStyle::Archway),
             _ => None,
         };
         if let Some(style) = style {

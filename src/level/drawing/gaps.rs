@@ -2,6 +2,7 @@
 //!
 //! In: the net. Out: findings, and a net with a short piece of wall across each gap.
 
+use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use rustc_hash::FxHashSet;
@@ -33,6 +34,20 @@ pub(super) fn mend(
     sizes: &Sizes,
     findings: &mut Vec<Finding>,
 ) -> Result<(), DrawingError> {
+    let ends = open_ends(grid, net, sizes);
+    findings.extend(Finding::at(
+        "open-wall-end",
+        Severity::Repaired,
+        "A wall of two lines was not closed at its end; it was closed straight across.",
+        ends.iter().map(|line| place(grid, line.ends[0])).collect(),
+    ));
+    if !ends.is_empty() {
+        let mut lines = net.lines();
+        lines.extend(ends);
+        let capped = split(lines, 0.0, strokes)?;
+        let earlier = std::mem::replace(net, capped);
+        net.remember(earlier);
+    }
     let (gaps, stray) = find(grid, net, sizes);
     let limit = sizes.close.unwrap_or(0.0);
     let (closed, open): (Vec<Gap>, Vec<Gap>) = gaps.into_iter().partition(|g| g.size <= limit);
@@ -90,6 +105,76 @@ fn in_words(gaps: &[Gap]) -> String {
 fn place(grid: &Grid, p: GridPoint) -> Place {
     let p = grid.to_level(p);
     Place::Point { x: p.x, y: p.y }
+}
+
+/// Lines across the ends of walls that are drawn as two lines: from the end of a wall to that of a
+/// parallel one beside it, no farther than the thickest wall, that comes from the same side.
+fn open_ends(grid: &Grid, net: &Net, sizes: &Sizes) -> Vec<Line> {
+    let reach = sizes.wall / grid.step.length();
+    if reach <= 0.0 {
+        return Vec::new();
+    }
+    // The wall that ends at each point, if it is the only one: its piece.
+    let mut only: Vec<Option<usize>> = vec![None; net.points.len()];
+    let mut walls = vec![0u32; net.points.len()];
+    for (i, piece) in net
+        .pieces
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| p.hole.is_none())
+    {
+        for v in piece.ends.map(|v| v as usize) {
+            walls[v] += 1;
+            only[v] = (walls[v] == 1).then_some(i);
+        }
+    }
+    let corner = |v: usize| DVec2::new(net.points[v].x as f64, net.points[v].y as f64);
+    // The direction in which a wall arrives at its end.
+    let way = |v: usize, piece: usize| {
+        let [a, b] = net.pieces[piece].ends.map(|v| v as usize);
+        (corner(v) - corner(if a == v { b } else { a })).normalize_or_zero()
+    };
+    let free: Vec<(usize, usize)> = (only.iter().enumerate())
+        .filter_map(|(v, piece)| Some((v, (*piece)?)))
+        .collect();
+    let tree = RTree::bulk_load(
+        (free.iter().enumerate())
+            .map(|(i, (v, _))| GeomWithData::new(corner(*v).to_array(), i))
+            .collect(),
+    );
+    let mut lines = Vec::new();
+    let mut taken: FxHashSet<usize> = FxHashSet::default();
+    for &(v, piece) in &free {
+        if taken.contains(&v) {
+            continue;
+        }
+        let (p, d) = (corner(v), way(v, piece));
+        let near = tree.locate_within_distance(p.to_array(), reach * reach);
+        let partner = near
+            .map(|n| free[n.data])
+            .filter(|&(w, other)| {
+                let across = corner(w) - p;
+                let e = way(w, other);
+                w != v
+                    && other != piece
+                    && !taken.contains(&w)
+                    && d.dot(e) > 0.99
+                    && across.dot(d).abs() <= 0.2 * across.length()
+            })
+            .min_by(|a, b| {
+                let off = |w: usize| corner(w).distance_squared(p);
+                off(a.0).total_cmp(&off(b.0)).then(a.0.cmp(&b.0))
+            });
+        if let Some((w, _)) = partner {
+            taken.extend([v, w]);
+            lines.push(Line {
+                ends: [net.points[v], net.points[w]],
+                stroke: net.pieces[piece].stroke,
+                hole: None,
+            });
+        }
+    }
+    lines
 }
 
 /// Ends at which only one piece ends: with the nearest other wall, or without.

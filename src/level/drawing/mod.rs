@@ -415,7 +415,7 @@ impl Sizes {
             gap: options
                 .close_gaps
                 .unwrap_or(0.0)
-                .max(scale(0.1, 0.12, 0.005).min(extent * 0.05)),
+                .max(scale(0.15, 0.15, 0.005).min(extent * 0.05)),
             close: options.close_gaps,
             wall: if bodies || options.thickest_wall.is_some() {
                 wall

@@ -80,7 +80,10 @@ pub fn place(
         }
         choose_closed(&mut spans, &walls);
         for span in joined(spans) {
-            let found = walls.fit(&span, sizes);
+            let mut found = walls.fit(&span, sizes);
+            if !found.on_wall && !span.swings {
+                found = by_single_lines(symbol, &walls, sizes).unwrap_or(found);
+            }
             if !found.on_wall {
                 off.push(Place::Point {
                     x: span.ends[0].midpoint(span.ends[1]).x,
@@ -193,6 +196,25 @@ fn along_longest_line(lines: &[Stroke]) -> Option<Span> {
         written: [false; 2],
         other: None,
         swings: false,
+    })
+}
+
+/// The openings of a symbol whose middle meets no wall: along those of its longer lines that do, as
+/// panes drawn in line with the faces of a wall.
+fn by_single_lines(symbol: &Symbol, walls: &Walls, sizes: &Sizes) -> Option<Fitted> {
+    const MOST: usize = 12;
+    let length = |s: &Stroke| s.from.distance(s.to);
+    let longest = symbol.lines.iter().map(length).fold(0.0, f64::max);
+    let lines = symbol.lines.iter().filter(|s| length(s) > 0.6 * longest);
+    let fitted = lines
+        .take(MOST)
+        .filter_map(|line| along_longest_line(std::slice::from_ref(line)))
+        .map(|span| walls.fit(&span, sizes))
+        .filter(|found| found.on_wall);
+    fitted.reduce(|mut all, next| {
+        all.holes.extend(next.holes);
+        all.caps.extend(next.caps);
+        all
     })
 }
 

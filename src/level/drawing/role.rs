@@ -13,6 +13,8 @@ pub enum Role {
     Door,
     /// An opening with a sill.
     Window,
+    /// An opening without a leaf.
+    Archway,
     /// Stands in a room and stops nobody's sight.
     Furniture,
     /// Left out.
@@ -27,6 +29,7 @@ impl Role {
             Role::Column => "column",
             Role::Door => "door",
             Role::Window => "window",
+            Role::Archway => "archway",
             Role::Furniture => "furniture",
             Role::Ignored => "ignored",
         }
@@ -48,11 +51,12 @@ impl FromStr for LayerRule {
 
     /// `wall=A-WALL*`
     fn from_str(text: &str) -> Result<LayerRule, String> {
-        const ROLES: [Role; 6] = [
+        const ROLES: [Role; 7] = [
             Role::Wall,
             Role::Column,
             Role::Door,
             Role::Window,
+            Role::Archway,
             Role::Furniture,
             Role::Ignored,
         ];
@@ -73,10 +77,13 @@ impl FromStr for LayerRule {
 
 /// Parts of names that tell what a layer is, in the words of several languages. What is ignored comes
 /// first: `A-WALL-PATT` is the hatching of walls, `DOOR-TEXT` their numbers.
-const WORDS: [(Role, &[&str]); 6] = [
+const WORDS: [(Role, &[&str]); 7] = [
     (
         Role::Ignored,
         &[
+            "PORTALS",
+            "CELLS",
+            "STEPS",
             "*DIM*",
             "*ANNO*",
             "*TEXT*",
@@ -102,6 +109,7 @@ const WORDS: [(Role, &[&str]); 6] = [
             "*BACKGROUND*",
         ],
     ),
+    (Role::Archway, &["*ARCHWAY*", "*OPENING*", "*OPNG*"]),
     (
         Role::Door,
         &[
@@ -248,6 +256,10 @@ mod tests {
         assert_eq!(role("S-COLS"), Some(Role::Column));
         assert_eq!(role("I-FURN"), Some(Role::Furniture));
         assert_eq!(role("0"), None);
+        // Our own drawings.
+        assert_eq!(role("PORTALS"), Some(Role::Ignored));
+        assert_eq!(role("ARCHWAYS"), Some(Role::Archway));
+        assert_eq!(role("COLUMNS"), Some(Role::Column));
         let rules = ["wall=0".parse().unwrap(), "ignored=*WALL*".parse().unwrap()];
         assert_eq!(role_of("0", &rules), Some(Role::Wall));
         assert_eq!(role_of("A-WALL", &rules), Some(Role::Ignored));

@@ -229,7 +229,7 @@ impl<'f> Pen<'f, '_> {
         let mut context = around;
         // The block's own name tells where the layer's does not.
         let by_name = self.block_roles[block as usize];
-        let opening = matches!(by_name, Some(Role::Door | Role::Window));
+        let opening = matches!(by_name, Some(Role::Door | Role::Window | Role::Archway));
         if context.role.is_none() || (context.role == Some(Role::Wall) && opening) {
             (context.role, context.named) = (by_name.or(context.role), name);
         }

@@ -149,6 +149,30 @@ fn a_window_over_a_thick_wall_is_cut_through_both_lines() {
 }
 
 #[test]
+fn walls_and_windows_drawn_without_ends() {
+    // Two faces of a wall around 4 by 3, with a gap from x = 1 to 2.5; panes in line with the faces and
+    // between, nothing across.
+    let around = |low: f64, x: f64, y: f64| {
+        [
+            [1.0, low, low, low],
+            [low, low, low, y],
+            [low, y, x, y],
+            [x, y, x, low],
+            [x, low, 2.5, low],
+        ]
+        .map(|l| line("WALL", l))
+        .concat()
+    };
+    let panes = [0.0, 0.125, 0.25]
+        .map(|y| line("WINDOW", [1.0, y, 2.5, y]))
+        .concat();
+    let level = level(&(around(0.0, 4.5, 3.5) + &around(0.25, 4.25, 3.25) + &panes));
+    assert_eq!(rooms(&level), "1 room of together 12.38 m²");
+    assert_eq!(found(&level, "open-wall-end").places.len(), 2);
+    assert_eq!(found(&level, "wall-body").places.len(), 1);
+}
+
+#[test]
 fn two_leaves_are_one_opening() {
     let walls = line("WALL", [0.0, 0.0, 1.0, 0.0])
         + &line("WALL", [2.8, 0.0, 4.0, 0.0])

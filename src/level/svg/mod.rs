@@ -418,7 +418,8 @@ impl<'n> Walk<'_, 'n> {
         context.transform *= transform(node)?;
         context.look = self.sheet.look(node, &around.look);
         let named = self.named(node);
-        let opening = |role: Option<Role>| matches!(role, Some(Role::Door | Role::Window));
+        let opening =
+            |role: Option<Role>| matches!(role, Some(Role::Door | Role::Window | Role::Archway));
         // Within the group that says `doors`, each group is one door.
         if is_group && opening(around.role) && around.group == 0 {
             self.groups += 1;
