@@ -134,7 +134,6 @@ pub fn compare(costs: &Costs, old: &Baseline) -> Result<Comparison, BaselineErro
     }
     let mut changes = Vec::new();
     let mut growth = vec![None; graph.cells.len()];
-    let (mut ground, mut before, mut after) = (0.0, 0.0, 0.0);
     for (i, j) in to_old.iter().enumerate() {
         let Some(j) = *j else { continue };
         let gained: f64 = costs
@@ -150,10 +149,6 @@ pub fn compare(costs: &Costs, old: &Baseline) -> Result<Comparison, BaselineErro
             .map(|m| old_places.areas[m])
             .sum();
         growth[i] = Some(gained - lost);
-        let own = new_places.areas[i];
-        ground += own;
-        before += own * visible.ones(j).map(|m| old_places.areas[m]).sum::<f64>();
-        after += own * costs.seen[i].area;
         if gained > 0.0 || lost > 0.0 {
             changes.push((i, gained, lost));
         }
@@ -173,7 +168,8 @@ pub fn compare(costs: &Costs, old: &Baseline) -> Result<Comparison, BaselineErro
         };
         some.iter().take(LISTED).map(change).collect()
     };
-    let mean = |sum: f64| if ground > 0.0 { sum / ground } else { 0.0 };
+    let seen_before = |j: usize| -> f64 { visible.ones(j).map(|m| old_places.areas[m]).sum() };
+    let seen_after = |i: usize| costs.seen[i].area;
     let none = |map: &[Option<usize>]| map.iter().filter(|m| m.is_none()).count() as u32;
     Ok(Comparison {
         baseline: [old.level.name.clone(), old.level.source.clone()],
@@ -182,12 +178,22 @@ pub fn compare(costs: &Costs, old: &Baseline) -> Result<Comparison, BaselineErro
         new_cells: none(&to_old),
         gone_cells: none(&to_new),
         changed: changes.len() as u32,
-        mean_ground_before: mean(before),
-        mean_ground_after: mean(after),
+        mean_ground_before: mean_by_ground(&old_places.areas, &to_new, seen_before),
+        mean_ground_after: mean_by_ground(&new_places.areas, &to_old, seen_after),
         grown: list(1.0),
         shrunk: list(-1.0),
         growth,
     })
+}
+
+/// The mean of a figure by ground, over the places that are in both levels.
+fn mean_by_ground(areas: &[f64], map: &[Option<usize>], of: impl Fn(usize) -> f64) -> f64 {
+    let (mut ground, mut sum) = (0.0, 0.0);
+    for (i, area) in areas.iter().enumerate().filter(|(i, _)| map[*i].is_some()) {
+        ground += area;
+        sum += area * of(i);
+    }
+    if ground > 0.0 { sum / ground } else { 0.0 }
 }
 
 fn polygons(graph: &CellGraph) -> Vec<Vec<DVec2>> {

@@ -26,7 +26,7 @@ pub struct Tally {
     pub wall_length: f64,
     /// Ground, in square units.
     pub area: f64,
-    /// Different materials, or textures.
+    /// Different materials, or textures; 0 in sums over several cells' own.
     pub materials: f64,
 }
 
