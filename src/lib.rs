@@ -6,7 +6,7 @@
 //! ```text
 //! level file ──level──▶ Level ──cells──▶ CellGraph ──pvs──▶ Pvs ──┬──report──▶ JSON, plans, explanations
 //! (toml, wad)                  (bsp kd cdt)  (cells, portals)      ├──study───▶ what accuracy costs
-//!                                                                  └──pvs::file──▶ FILE.pvs
+//! svg, uvtt)                                                       └──pvs::file──▶ FILE.pvs
 //! ```
 //!
 //! # Rooms
@@ -16,14 +16,14 @@
 //! | module | in → out | what lives there |
 //! |---|---|---|
 //! | [`geom`] | numbers | grid points, lines, exact vertices, predicates that return a named side, intervals |
-//! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps; the door to the grid; findings |
-//! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt`, inside and outside, portals, point location |
+//! | [`level`] | file → [`Level`](level::Level) | the model; readers for the own TOML format, Doom WADs and UDMF maps, and, through [`drawing`](level::drawing), for DXF, SVG and Universal VTT; the door to the grid; findings |
+//! | [`cells`] | `Level` → [`CellGraph`](cells::CellGraph) | the arrangement of the walls, subdivision by `bsp`, `kd` and `cdt` or by a `guide` from elsewhere, inside and outside, portals, point location |
 //! | [`sight`] | chain of portals → stabbing line, or why there is none | the exact funnel that grows and shrinks with the chain; the exact solver; the lecture's linear programme |
-//! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; `closing` (what each opening lets be seen) and `longest` sightlines; sectors, the file format, `verify` |
+//! | [`pvs`] | `CellGraph` → [`Pvs`](pvs::Pvs) | the methods: `sweep` about vertices and depth-first `search` (exact), `lp`, `flow`, `flood`, `sample`; `heights`; `eye` within a cone; `explain` for one pair; `closing` (what each opening lets be seen) and `longest` sightlines; what sectors and GL nodes' subsectors see; the file format, `runtime` for engines, `verify` |
 //! | [`trace`] | `Level` + `CellGraph` + `Pvs` → image | rays that walk through portals, beams, shapes, acceleration structures; the world with its lights, shading, effects and which of them a picture calls for, pictures; floating point begins here |
 //! | [`preview`] | world + tree + camera → painted picture | the BSP's back-to-front order, culling by back faces, PVS and what the eye sees, a raster without a depth buffer that agrees with the rays on every pixel; flat or with textures |
 //! | [`walk`] | path or `Level` + `CellGraph` + person → [`Track`](walk::Track) | the eye at each moment: smooth paths at constant speed, tours of everything that can be reached on foot, and what each frame has to draw |
-//! | [`report`] | results → people | JSON, pictures of the plan, explanations in words; what places cost ([`report::costs`]) and its page |
+//! | [`report`] | results → people | JSON, pictures of the plan, explanations in words; what places cost ([`report::costs`]) and its page; `export` to other programs' formats |
 //! | [`study`] | results → people | what accuracy costs in time; the hard cases; what effects, samples and structures cost |
 //! | `viewer` (feature `viewer`) | level file → window | walking through a level; the plan; what is visible from where, why, and what it costs |
 //! | [`cli`] | arguments → all of it | one file per subcommand; the only place that touches files, clock, terminal |
@@ -60,7 +60,8 @@
 //!
 //! - Tolerances. What should touch but does not is joined at the door, counted and reported; after
 //!   that a gap is a gap.
-//! - Repairs that guess. A defect is repaired where there is one way to, else it is reported.
+//! - Repairs that guess. A defect is repaired where there is one way to, else it is reported; gaps in a
+//!   drawing are closed when somebody says up to which size.
 //! - State. There are no globals and no caches; options come in as one struct per stage.
 
 pub mod cells;

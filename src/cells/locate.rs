@@ -1,6 +1,6 @@
 //! Point location: which cell holds a point.
 
-use super::{CellGraph, CellId};
+use super::{CellGraph, CellId, EdgeId};
 use crate::geom::{GridPoint, Side, Vertex, orient};
 
 /// Whether a convex counterclockwise polygon holds the point, its border included.
@@ -70,22 +70,31 @@ impl Locator {
     /// The cells that hold the point, border included, ascending: one inside a cell, two on a
     /// portal, none outside.
     pub fn cells_at(&self, graph: &CellGraph, point: &Vertex) -> Vec<CellId> {
-        let holds = |cell: &&CellId| {
-            let corners: Vec<_> = graph
-                .corners(**cell)
-                .map(|v| graph.vertices.exact(v))
-                .collect();
-            contains(&corners, point)
-        };
-        self.near(point.approx())
-            .iter()
-            .filter(holds)
-            .copied()
-            .collect()
+        self.holding(graph, point).collect()
     }
 
     /// The first of [`Locator::cells_at`] for a grid point.
     pub fn cell_at(&self, graph: &CellGraph, point: GridPoint) -> Option<CellId> {
-        self.cells_at(graph, &point.into()).first().copied()
+        self.first_at(graph, &point.into())
+    }
+
+    /// The first of [`Locator::cells_at`], found without allocating.
+    pub fn first_at(&self, graph: &CellGraph, point: &Vertex) -> Option<CellId> {
+        self.holding(graph, point).next()
+    }
+
+    fn holding(&self, graph: &CellGraph, point: &Vertex) -> impl Iterator<Item = CellId> {
+        let corner = |e| graph.vertices.exact(graph.edge(EdgeId(e)).origin);
+        let holds = move |cell: &CellId| {
+            let range = graph.edge_range(*cell);
+            let mut from = corner(range.end - 1);
+            range.map(corner).all(|to| {
+                let side = orient(from, to, point);
+                from = to;
+                side != Side::Right
+            })
+        };
+        let near = self.near(point.approx()).iter().copied();
+        near.filter(holds)
     }
 }

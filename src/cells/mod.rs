@@ -10,6 +10,7 @@ pub mod cdt;
 pub mod findings;
 pub mod frame;
 mod graph;
+pub mod guide;
 pub mod interior;
 pub mod kd;
 pub mod locate;
@@ -121,22 +122,34 @@ pub fn subdivide(level: &Level, options: &Options) -> CellGraph {
             }
         },
     };
-    let (labels, mut findings) = interior::label(level, &arrangement, &mesh);
-    findings.splice(0..0, findings::of_meetings(level, &arrangement));
-    let tree = partition.map(|partition| {
+    let (mut graph, inside) = finish(level, options, &arrangement, &mesh, cost);
+    graph.tree = partition.map(|partition| {
         let (mut cells, mut n) = (Vec::new(), 0);
-        for label in &labels {
-            cells.push(label.inside.then_some(CellId(n)));
-            n += u32::from(label.inside);
+        for inside in inside {
+            cells.push(inside.then_some(CellId(n)));
+            n += u32::from(inside);
         }
         let line = |id| *arrangement.lines.get(id);
         tree::Tree::of(&partition, line, &arrangement.frame, |leaf| {
             cells[leaf as usize]
         })
     });
-    let mut graph = graph::build(level, options, &arrangement, &mesh, labels, cost, findings);
-    graph.tree = tree;
     graph
+}
+
+/// The graph of a mesh, still without a tree; and which of the mesh's cells are in it.
+fn finish(
+    level: &Level,
+    options: &Options,
+    arrangement: &Arrangement,
+    mesh: &Mesh,
+    cost: Cost,
+) -> (CellGraph, Vec<bool>) {
+    let (labels, mut findings) = interior::label(level, arrangement, mesh);
+    findings.splice(0..0, findings::of_meetings(level, arrangement));
+    let inside = labels.iter().map(|label| label.inside).collect();
+    let graph = graph::build(level, options, arrangement, mesh, labels, cost, findings);
+    (graph, inside)
 }
 
 /// Subdivides by the lines that `choose` names.

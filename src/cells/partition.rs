@@ -53,6 +53,8 @@ pub struct Partition {
     pub nodes: Vec<Node>,
     /// The leaves' outlines.
     pub leaves: Vec<Region>,
+    /// In which leaf of the guide each of them lies; 0 without one.
+    pub parts: Vec<u32>,
     /// Top of the tree.
     pub root: Child,
     /// How often a fragment was cut in two.
@@ -71,10 +73,41 @@ struct Task {
     fragments: Vec<Fragment>,
     parent: Option<(u32, Side)>,
     depth: usize,
+    /// What the guide says about it.
+    guided: Guided,
+}
+
+/// Part of the plan, as a guide has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guided {
+    /// Is split by this one of the guide's lines.
+    Split(u32),
+    /// Is left to the rule. The number is handed down to all leaves in it.
+    Part(u32),
+}
+
+/// A split that is to be made before the rule is asked for any.
+#[derive(Clone, Copy, Debug)]
+pub struct GuideSplit {
+    /// The line.
+    pub line: LineId,
+    /// What lies left of it, and right of it.
+    pub sides: [Guided; 2],
 }
 
 /// Partitions the box around all pieces by the lines that `choose` names.
 pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partition {
+    guided(arrangement, &[], Guided::Part(0), choose)
+}
+
+/// As [`partition`], but first by the lines of a tree, which is given from `root` on. Splits lead to
+/// later ones only, or the partition would not end; see [`super::guide`].
+pub fn guided(
+    arrangement: &mut Arrangement,
+    guide: &[GuideSplit],
+    root: Guided,
+    choose: &mut Choose,
+) -> Partition {
     let fragments = (0u32..)
         .zip(&arrangement.pieces)
         .map(|(i, p)| Fragment {
@@ -87,6 +120,7 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
     let mut tree = Partition {
         nodes: Vec::new(),
         leaves: Vec::new(),
+        parts: Vec::new(),
         root: Child::Leaf(0),
         splits: 0,
         depth: 0,
@@ -99,14 +133,17 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
         fragments,
         parent: None,
         depth: 0,
+        guided: root,
     }];
-    while let Some(task) = tasks.pop() {
+    while let Some(mut task) = tasks.pop() {
         tree.depth = tree.depth.max(task.depth);
-        let child = if task.fragments.is_empty() {
-            tree.leaves.push(task.region);
-            Child::Leaf(tree.leaves.len() as u32 - 1)
-        } else {
-            let line = choose(arrangement, &task.fragments);
+        let (split, [to_left, to_right]) =
+            follow(arrangement, guide, &task.region, &mut task.guided);
+        let split = split.or_else(|| {
+            let any = !task.fragments.is_empty();
+            any.then(|| choose(arrangement, &task.fragments))
+        });
+        let child = if let Some(line) = split {
             let parts = split_fragments(arrangement, &task.fragments, line);
             let (left, right) = split_region(arrangement, &task.region, line, &mut sides);
             tree.splits += parts.splits;
@@ -125,14 +162,23 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
                 fragments: parts.right,
                 parent: parent(Side::Right),
                 depth,
+                guided: to_right,
             });
             tasks.push(Task {
                 region: left,
                 fragments: parts.left,
                 parent: parent(Side::Left),
                 depth,
+                guided: to_left,
             });
             Child::Node(id)
+        } else {
+            tree.leaves.push(task.region);
+            tree.parts.push(match task.guided {
+                Guided::Part(part) => part,
+                Guided::Split(_) => unreachable!("the guide was followed to its end"),
+            });
+            Child::Leaf(tree.leaves.len() as u32 - 1)
         };
         match task.parent {
             Some((node, Side::Left)) => tree.nodes[node as usize].left = child,
@@ -141,6 +187,30 @@ pub fn partition(arrangement: &mut Arrangement, choose: &mut Choose) -> Partitio
         }
     }
     tree
+}
+
+/// The next of the guide's lines that passes through a region, and what its two sides are; `None`
+/// where the guide ends, which both sides of any further split then inherit. Lines that miss the
+/// region are passed over.
+fn follow(
+    arrangement: &Arrangement,
+    guide: &[GuideSplit],
+    region: &Region,
+    at: &mut Guided,
+) -> (Option<LineId>, [Guided; 2]) {
+    while let Guided::Split(split) = *at {
+        let split = &guide[split as usize];
+        let [left, right] = [Side::Left, Side::Right].map(|wanted| {
+            let on_that_side = |c: &(VertexId, LineId)| arrangement.side(c.0, split.line) == wanted;
+            region.iter().any(on_that_side)
+        });
+        match (left, right) {
+            (true, true) => return (Some(split.line), split.sides),
+            (true, false) => *at = split.sides[0],
+            _ => *at = split.sides[1],
+        }
+    }
+    (None, [*at; 2])
 }
 
 /// A box two steps wider than the level on every side.

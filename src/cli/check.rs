@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::level_args::{LevelArgs, open};
+use super::level_args::LevelArgs;
 use super::output::{self, Output};
 use super::{Answer, complain};
 use crate::cells::{Options, subdivide};
@@ -42,7 +42,7 @@ pub struct CheckArgs {
 
 /// Runs `enfilade check`.
 pub fn run(args: &CheckArgs) -> Result<Answer> {
-    let source = open(&args.level.level)?;
+    let source = args.level.open()?;
     let maps: Vec<Option<String>> = match source.maps() {
         maps if args.all && !maps.is_empty() => maps.into_iter().map(Some).collect(),
         _ => vec![args.level.map.clone()],

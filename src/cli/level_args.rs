@@ -8,34 +8,80 @@ use clap::{Args, ValueEnum};
 
 use super::complain;
 use crate::cells::{self, Doors, Subdivision};
+use crate::level::drawing::DrawingOptions;
+use crate::level::drawing::role::LayerRule;
+use crate::level::drawing::unit::Unit;
 use crate::level::read::Source;
 use crate::level::{Level, Severity};
 
 /// The level to work on.
 #[derive(Clone, Debug, Args)]
 pub struct LevelArgs {
-    /// Level file: .toml, or a Doom .wad
+    /// Level file: .toml, a Doom .wad, a .dxf or .svg drawing, or a .uvtt (.dd2vtt) map
     pub level: PathBuf,
     /// Map of a WAD that has several
     #[arg(long, value_name = "NAME")]
     pub map: Option<String>,
+    #[command(flatten)]
+    pub drawing: DrawingArgs,
+}
+
+/// How a drawing is understood.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Drawings (.dxf, .svg, .uvtt)")]
+pub struct DrawingArgs {
+    /// What one unit of the drawing is: mm, cm, m, in, ft, or a number of metres [default: what the
+    /// file says]
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<Unit>,
+    /// How far straight pieces may lie off the curve that they stand for, in the level's unit
+    /// [default: 1 cm, or a 2000th of the plan where its unit is not known]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    tolerance: Option<f64>,
+    /// What layers (classes, ids, blocks) are, by their names: wall=A-WALL*, also column, door,
+    /// window, archway, furniture, ignored; may be given several times
+    #[arg(id = "layer_rules", long = "layer", value_name = "WHAT=PATTERN")]
+    layers: Vec<LayerRule>,
+    /// Join ends of walls that are up to so far apart, in the level's unit; each is reported
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    close_gaps: Option<f64>,
+    /// Closed ground up to this wide, without an opening, is the body of a wall [default: 0.6 m, or
+    /// 0.7 of a usual door where the unit is not known]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    thickest_wall: Option<f64>,
 }
 
 impl LevelArgs {
     /// Reads the file and the level in it.
     pub fn read(&self) -> Result<Level> {
-        Ok(open(&self.level)?.level(self.map.as_deref())?)
+        Ok(self.open()?.level(self.map.as_deref())?)
+    }
+
+    /// Reads the file as far as its maps.
+    pub fn open(&self) -> Result<Source> {
+        let options = DrawingOptions {
+            unit: self.drawing.unit.clone(),
+            tolerance: self.drawing.tolerance,
+            layers: self.drawing.layers.clone(),
+            close_gaps: self.drawing.close_gaps,
+            thickest_wall: self.drawing.thickest_wall,
+        };
+        open_with(&self.level, options)
     }
 }
 
-/// Reads a level file as far as its maps.
+/// Reads a level file as far as its maps; one that is no drawing.
 pub fn open(path: &Path) -> Result<Source> {
+    open_with(path, DrawingOptions::default())
+}
+
+fn open_with(path: &Path, options: DrawingOptions) -> Result<Source> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let name = path
         .file_name()
         .unwrap_or(path.as_os_str())
         .to_string_lossy();
-    Ok(Source::parse(bytes, &name)?)
+    Ok(Source::parse_with(bytes, &name, options)?)
 }
 
 /// Says on standard error what was repaired in a level or looks wrong, a line for each kind.
@@ -141,4 +187,12 @@ pub fn point(text: &str) -> Result<glam::DVec2, String> {
         .zip(number(y))
         .map(|(x, y)| glam::DVec2::new(x, y))
         .ok_or_else(wrong)
+}
+
+/// A length above 0.
+fn size(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(size) if size > 0.0 && size < 1e12 => Ok(size),
+        _ => Err("a length above 0 is needed, such as 0.05".to_string()),
+    }
 }

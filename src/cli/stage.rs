@@ -5,7 +5,7 @@ use clap::Args;
 use rayon::ThreadPool;
 
 use super::compute::{self, timed};
-use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
+use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use super::progress;
 use super::render::files;
 use crate::cells::{CellGraph, subdivide};
@@ -71,7 +71,7 @@ pub fn set(
     let mut seconds = Seconds::default();
     let mut reading = 0.0;
     let (source, read) = timed(&mut seconds.read, || -> Result<_> {
-        let source = open(&level.level)?;
+        let source = level.open()?;
         let read = source.level(level.map.as_deref())?;
         Ok((source, read))
     })?;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use super::level_args::{LevelArgs, open};
+use super::level_args::LevelArgs;
 use super::{Answer, complain, output, progress};
 use crate::pvs::verify::{VerifyOptions, verify};
 use crate::pvs::{Progress, file};
@@ -41,7 +41,7 @@ pub fn run(args: &VerifyArgs) -> Result<Answer> {
     let name = args.file.display();
     let bytes = fs::read(&args.file).with_context(|| format!("cannot read {name}"))?;
     let file = file::decode(&bytes).with_context(|| name.to_string())?;
-    let source = open(&args.level.level)?;
+    let source = args.level.open()?;
     // A WAD with several maps: the file knows which one it is of.
     let named = source.maps().into_iter().find(|map| *map == file.info.name);
     let map = args.level.map.clone().or(named);

@@ -4,6 +4,8 @@
 //! [`super::Level`] on the integer grid. Every format's reader ends in a draft, so that there is one
 //! door through which coordinates become exact.
 
+use std::path::Path;
+
 use glam::DVec2;
 
 use super::finding::{Finding, Place};
@@ -83,4 +85,10 @@ pub enum DraftInterior {
         /// Points in the inside.
         starts: Vec<DVec2>,
     },
+}
+
+/// A file's name without its ending: the name of a level that has none.
+pub fn stem(source: &str) -> String {
+    let stem = Path::new(source).file_stem();
+    stem.map_or_else(|| source.to_string(), |s| s.to_string_lossy().into_owned())
 }

@@ -5,7 +5,9 @@
 
 pub mod doom;
 pub mod draft;
+pub mod drawing;
 pub mod dress;
+pub mod dxf;
 pub mod edit;
 pub mod finding;
 mod model;
@@ -13,7 +15,9 @@ pub mod outline;
 pub mod read;
 pub mod scene;
 pub mod snap;
+pub mod svg;
 pub mod toml;
+pub mod uvtt;
 pub mod wad;
 pub mod wording;
 

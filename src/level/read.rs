@@ -2,7 +2,7 @@
 //!
 //! In: the bytes and the file's name, which the caller has read (nothing in `level` touches files).
 //! Out: a [`Source`], from which its level, or each of its maps, is read. A WAD is known by its first
-//! four bytes, every other format by the name's ending.
+//! four bytes, every other format by the name's ending, or, where that says nothing, by how it begins.
 
 use std::path::Path;
 
@@ -10,8 +10,13 @@ use thiserror::Error;
 
 use super::Level;
 use super::doom::{self, DoomError};
+use super::draft::Draft;
+use super::drawing::DrawingOptions;
+use super::dxf::{self, DxfError};
 use super::snap::{SnapError, snap};
+use super::svg::{self, SvgError};
 use super::toml::{self, TomlError};
+use super::uvtt::{self, UvttError};
 use super::wad::{Wad, WadError};
 
 /// Why a file gives no level. Every message names the file, the place in it where there is one, and
@@ -19,21 +24,13 @@ use super::wad::{Wad, WadError};
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ReadError {
     /// The ending is none that is known, and the bytes are no WAD's.
-    #[error("{file}: unknown kind of file; a level is a .toml file or a Doom .wad")]
+    #[error(
+        "{file}: unknown kind of file; a level is a .toml file, a Doom .wad, a .dxf or .svg drawing, or \
+         a .uvtt (.dd2vtt) map"
+    )]
     UnknownFormat {
         /// File name.
         file: String,
-    },
-    /// A format that is planned, but cannot be read yet.
-    #[error(
-        "{file}: {format} files cannot be read yet; this version reads .toml levels and Doom .wad \
-         files"
-    )]
-    NotYet {
-        /// File name.
-        file: String,
-        /// Name of the format.
-        format: &'static str,
     },
     /// A text file that is not UTF-8.
     #[error("{file}, line {line}: the text is not UTF-8 here; save the file as UTF-8")]
@@ -73,6 +70,41 @@ pub enum ReadError {
         /// The mistake, with line and column.
         error: Box<TomlError>,
     },
+    /// A mistake in a DXF drawing.
+    #[error("{file}, {error}")]
+    Dxf {
+        /// File name.
+        file: String,
+        /// The mistake.
+        error: DxfError,
+    },
+    /// A mistake in an SVG drawing.
+    #[error("{file}, {error}")]
+    Svg {
+        /// File name.
+        file: String,
+        /// The mistake.
+        error: SvgError,
+    },
+    /// A mistake in a Universal VTT map.
+    #[error("{file}, {error}")]
+    Uvtt {
+        /// File name.
+        file: String,
+        /// The mistake.
+        error: UvttError,
+    },
+    /// Options for drawings, but the file is none.
+    #[error(
+        "{file}: {option} is for drawings (.dxf, .svg, .uvtt); this file says itself what its lines are, \
+         leave it out"
+    )]
+    NoDrawing {
+        /// File name.
+        file: String,
+        /// The option.
+        option: &'static str,
+    },
     /// A damaged WAD.
     #[error("{file}: {error}")]
     Wad {
@@ -94,6 +126,14 @@ pub enum ReadError {
         /// What does not fit.
         error: SnapError,
     },
+    /// A drawing that does not fit the grid.
+    #[error("{file}: {error}")]
+    Snap {
+        /// File name.
+        file: String,
+        /// What does not fit.
+        error: SnapError,
+    },
 }
 
 /// A file that holds one level or several maps.
@@ -101,47 +141,55 @@ pub enum ReadError {
 pub struct Source {
     file: String,
     contents: Contents,
+    options: DrawingOptions,
 }
 
 #[derive(Clone, Debug)]
 enum Contents {
     Toml(String),
     Wad(Wad),
+    Dxf(Vec<u8>),
+    Svg(String),
+    Uvtt(String),
 }
 
 impl Source {
     /// Tells the format and reads what comes before any level: a WAD's directory, a text's encoding.
-    /// `file_name` is the file's name without its folder.
+    /// `file_name` is the file's name without its folder. Drawings are understood in the usual way.
     pub fn parse(bytes: Vec<u8>, file_name: &str) -> Result<Source, ReadError> {
+        Source::parse_with(bytes, file_name, DrawingOptions::default())
+    }
+
+    /// As [`Source::parse`], and says how a drawing is to be understood.
+    pub fn parse_with(
+        bytes: Vec<u8>,
+        file_name: &str,
+        options: DrawingOptions,
+    ) -> Result<Source, ReadError> {
         let file = file_name.to_string();
-        let ending = Path::new(file_name)
-            .extension()
-            .unwrap_or_default()
-            .to_string_lossy();
-        let not_yet = |format| {
-            Err(ReadError::NotYet {
-                file: file.clone(),
-                format,
-            })
+        let contents = match format_of(&bytes, file_name) {
+            Some(Format::Wad) => wad(bytes, &file)?,
+            Some(Format::Toml) => Contents::Toml(text(bytes, &file)?),
+            Some(Format::Dxf) => Contents::Dxf(bytes),
+            Some(Format::Svg) => Contents::Svg(text(bytes, &file)?),
+            Some(Format::Uvtt) => Contents::Uvtt(text(bytes, &file)?),
+            None => return Err(ReadError::UnknownFormat { file }),
         };
-        let magic = matches!(bytes.get(..4), Some(b"IWAD" | b"PWAD"));
-        let contents = match ending.to_lowercase().as_str() {
-            _ if magic => wad(bytes, &file)?,
-            "wad" => wad(bytes, &file)?,
-            "toml" => Contents::Toml(text(bytes, &file)?),
-            "dxf" => return not_yet("DXF"),
-            "svg" => return not_yet("SVG"),
-            "uvtt" | "dd2vtt" | "df2vtt" => return not_yet("Universal VTT"),
-            _ => return Err(ReadError::UnknownFormat { file }),
-        };
-        Ok(Source { file, contents })
+        if let (Contents::Toml(_) | Contents::Wad(_), Some(option)) = (&contents, options.first()) {
+            return Err(ReadError::NoDrawing { file, option });
+        }
+        Ok(Source {
+            file,
+            contents,
+            options,
+        })
     }
 
     /// Names of the maps, in the file's order; empty for a file that is a single level.
     pub fn maps(&self) -> Vec<String> {
         match &self.contents {
-            Contents::Toml(_) => Vec::new(),
             Contents::Wad(wad) => wad.maps().into_iter().map(|m| m.name).collect(),
+            _ => Vec::new(),
         }
     }
 
@@ -149,7 +197,7 @@ impl Source {
     pub fn wad(&self) -> Option<&Wad> {
         match &self.contents {
             Contents::Wad(wad) => Some(wad),
-            Contents::Toml(_) => None,
+            _ => None,
         }
     }
 
@@ -164,10 +212,27 @@ impl Source {
                     error: error.into(),
                 })
             }
-            (Contents::Toml(_), Some(map)) => Err(ReadError::OneLevel {
-                file: file(),
-                map: map.to_string(),
-            }),
+            (Contents::Dxf(bytes), None) => {
+                let draft = dxf::read(bytes, &self.file, &self.options);
+                self.drawing(draft.map_err(|error| ReadError::Dxf {
+                    file: file(),
+                    error,
+                })?)
+            }
+            (Contents::Svg(text), None) => {
+                let draft = svg::read(text, &self.file, &self.options);
+                self.drawing(draft.map_err(|error| ReadError::Svg {
+                    file: file(),
+                    error,
+                })?)
+            }
+            (Contents::Uvtt(text), None) => {
+                let draft = uvtt::read(text, &self.file, &self.options);
+                self.drawing(draft.map_err(|error| ReadError::Uvtt {
+                    file: file(),
+                    error,
+                })?)
+            }
             (Contents::Wad(wad), Some(map)) => self.doom_level(wad, map),
             (Contents::Wad(wad), None) => match self.maps().as_slice() {
                 [] => Err(ReadError::NoMaps { file: file() }),
@@ -177,7 +242,18 @@ impl Source {
                     maps: maps.to_vec(),
                 }),
             },
+            (_, Some(map)) => Err(ReadError::OneLevel {
+                file: file(),
+                map: map.to_string(),
+            }),
         }
+    }
+
+    fn drawing(&self, draft: Draft) -> Result<Level, ReadError> {
+        snap(draft).map_err(|error| ReadError::Snap {
+            file: self.file.clone(),
+            error,
+        })
     }
 
     fn doom_level(&self, wad: &Wad, map: &str) -> Result<Level, ReadError> {
@@ -195,6 +271,45 @@ impl Source {
 /// [`Level::source`].
 pub fn read(bytes: Vec<u8>, file_name: &str, map: Option<&str>) -> Result<Level, ReadError> {
     Source::parse(bytes, file_name)?.level(map)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Format {
+    Wad,
+    Toml,
+    Dxf,
+    Svg,
+    Uvtt,
+}
+
+fn format_of(bytes: &[u8], file_name: &str) -> Option<Format> {
+    if matches!(bytes.get(..4), Some(b"IWAD" | b"PWAD")) {
+        return Some(Format::Wad);
+    }
+    let ending = Path::new(file_name)
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy();
+    match ending.to_lowercase().as_str() {
+        "wad" => Some(Format::Wad),
+        "toml" => Some(Format::Toml),
+        "dxf" => Some(Format::Dxf),
+        "svg" => Some(Format::Svg),
+        "uvtt" | "dd2vtt" | "df2vtt" => Some(Format::Uvtt),
+        _ => {
+            let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+            let start = start.trim_start_matches('\u{feff}').trim_start();
+            if start.starts_with('{') && start.contains("\"resolution\"") {
+                Some(Format::Uvtt)
+            } else if start.starts_with('<') && start.contains("<svg") {
+                Some(Format::Svg)
+            } else if start.starts_with("AutoCAD Binary DXF") || start.contains("SECTION") {
+                Some(Format::Dxf)
+            } else {
+                None
+            }
+        }
+    }
 }
 
 fn wad(bytes: Vec<u8>, file: &str) -> Result<Contents, ReadError> {
@@ -275,7 +390,7 @@ mod tests {
             "{missing}"
         );
         assert!(message(&wad_with(&[]), "none.wad", None).contains("no maps"));
-        assert!(message(b"0\nSECTION\n", "plan.dxf", None).contains("DXF"));
+        assert!(message(b"0\nSECTION\n", "plan.dxf", None).contains("plan.dxf"));
         assert!(message(b"hello", "plan.txt", None).contains("plan.txt: unknown kind"));
         assert!(message(b"hello", "plan.wad", None).starts_with("plan.wad: "));
         assert!(message(ROOM, "hall.toml", Some("E1M1")).contains("leave --map out"));

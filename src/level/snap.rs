@@ -31,7 +31,7 @@ use super::model::{Interior, Level, Wall};
 const FAR_LIMIT: f64 = (1u64 << 52) as f64;
 
 /// No coordinate may be this many units from zero or farther (2^53), whatever the step.
-const UNIT_LIMIT: f64 = (1u64 << 53) as f64;
+pub(super) const UNIT_LIMIT: f64 = (1u64 << 53) as f64;
 
 /// A computed point that was moved by less than this part of a step is not called moved, and what
 /// was nearer than this was one point, or lay on a wall, before.

@@ -308,6 +308,38 @@ impl Wad {
         self.with_edits(&edits)
     }
 
+    /// A new WAD (a PWAD) of these maps alone, in the order of their names here.
+    ///
+    /// # Errors
+    /// Where there is no such map, or the result would be too large.
+    pub fn with_maps_only(&self, names: &[String]) -> Result<Vec<u8>, WadError> {
+        let mut lumps = Vec::new();
+        for name in names {
+            let map = self.map(name)?;
+            let end = map.lumps.end + usize::from(map.text);
+            lumps.extend(map.marker..end.min(self.lumps.len()));
+        }
+        let mut out = b"PWAD".to_vec();
+        out.extend([0; HEADER - 4]);
+        let mut directory = Vec::new();
+        for lump in lumps {
+            directory.extend(extent_bytes(out.len(), self.lump(lump).len())?);
+            let mut name = [0; 8];
+            for (to, from) in name.iter_mut().zip(self.lumps[lump].name.chars()) {
+                *to = from as u8;
+            }
+            directory.extend(name);
+            out.extend(self.lump(lump));
+            // Four-byte alignment, which some engines want of lumps.
+            out.resize(out.len().next_multiple_of(4), 0);
+        }
+        let head = extent_bytes(directory.len() / ENTRY, out.len())?;
+        out[4..HEADER].copy_from_slice(&head);
+        out.extend(directory);
+        extent_bytes(0, out.len())?;
+        Ok(out)
+    }
+
     /// A copy of the file with these changes, all other lumps keeping name, order and bytes. A lump
     /// whose size stays and whose bytes no other lump shares is overwritten in place, so that
     /// nothing else in the file changes; any other new bytes go to the end, followed by the new
@@ -602,6 +634,17 @@ pub(crate) mod tests {
         expected.insert(13, ("REJECT".to_string(), b"333".to_vec()));
         expected.insert(9, ("REJECT".to_string(), b"2".to_vec()));
         assert_eq!(listing(after), expected);
+    }
+
+    #[test]
+    fn maps_alone_make_a_new_wad() {
+        let wad = Wad::parse(two_maps()).unwrap();
+        let names = ["map03", "MAP02"].map(String::from);
+        let alone = listing(wad.with_maps_only(&names).unwrap());
+        let all = listing(two_maps());
+        assert_eq!(alone, [&all[10..14], &all[6..10]].concat());
+        let nobody = wad.with_maps_only(&["MAP09".to_string()]);
+        assert!(matches!(nobody, Err(WadError::NoMap { .. })));
     }
 
     #[test]

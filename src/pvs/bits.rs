@@ -89,7 +89,7 @@ impl BitMatrix {
 }
 
 /// The ones of a row of words, ascending.
-pub fn ones(words: &[u64]) -> impl Iterator<Item = usize> + '_ {
+pub fn ones(words: &[u64]) -> impl Iterator<Item = usize> + Clone + '_ {
     words.iter().enumerate().flat_map(|(i, &word)| {
         std::iter::successors(Some(word), |w| Some(w & w.wrapping_sub(1)))
             .take_while(|w| *w != 0)

@@ -138,7 +138,7 @@ impl FanWalk {
         wanted: Wanted,
         mut event: impl FnMut(Event),
     ) -> u64 {
-        let graph = mesh.graph;
+        let graph = &*mesh.graph;
         let vertices = &graph.vertices;
         let about = About {
             vertices,

@@ -1,11 +1,13 @@
 //! A graph's edges as walks through cells need them: everything about one edge in one place.
 
+use std::borrow::Cow;
+
 use crate::cells::{CellGraph, EdgeId};
 use crate::geom::Placed;
 
 /// The edges of a [`CellGraph`], with the same indices.
 pub(super) struct FlatMesh<'a> {
-    pub graph: &'a CellGraph,
+    pub graph: Cow<'a, CellGraph>,
     pub edges: Vec<FlatEdge>,
 }
 
@@ -39,25 +41,35 @@ impl FlatEdge {
 
 impl<'a> FlatMesh<'a> {
     pub fn new(graph: &'a CellGraph) -> Self {
-        let edge = |i: u32| {
-            let edge = graph.edge(EdgeId(i));
-            let range = graph.edge_range(edge.cell);
-            FlatEdge {
-                end: graph.vertices.placed(graph.end(EdgeId(i))),
-                twin: edge.twin().map_or(WALL, |t| t.0),
-                cell: edge.cell.0,
-                first: range.start,
-                past: range.end,
-            }
-        };
-        Self {
-            graph,
-            edges: (0..graph.edges.len() as u32).map(edge).collect(),
-        }
+        let edges = flat(graph);
+        let graph = Cow::Borrowed(graph);
+        Self { graph, edges }
+    }
+
+    /// Of a graph that is kept inside.
+    pub fn owning(graph: CellGraph) -> FlatMesh<'static> {
+        let edges = flat(&graph);
+        let graph = Cow::Owned(graph);
+        FlatMesh { graph, edges }
     }
 
     #[inline]
     pub fn edge(&self, e: u32) -> &FlatEdge {
         &self.edges[e as usize]
     }
+}
+
+fn flat(graph: &CellGraph) -> Vec<FlatEdge> {
+    let edge = |i: u32| {
+        let edge = graph.edge(EdgeId(i));
+        let range = graph.edge_range(edge.cell);
+        FlatEdge {
+            end: graph.vertices.placed(graph.end(EdgeId(i))),
+            twin: edge.twin().map_or(WALL, |t| t.0),
+            cell: edge.cell.0,
+            first: range.start,
+            past: range.end,
+        }
+    };
+    (0..graph.edges.len() as u32).map(edge).collect()
 }

@@ -18,9 +18,11 @@ pub mod flow;
 pub mod heights;
 pub mod longest;
 pub mod lp;
+pub mod runtime;
 pub mod sample;
 pub mod search;
 pub mod sectors;
+pub mod subsectors;
 pub mod sweep;
 pub mod verify;
 

@@ -146,7 +146,7 @@ impl<'a> Caster<'a> {
     }
 
     fn stand_in(&mut self, cell: CellId) {
-        let graph = self.mesh.graph;
+        let graph = &*self.mesh.graph;
         self.corners.clear();
         self.areas.clear();
         self.portals.clear();

@@ -11,22 +11,35 @@ use crate::cells::CellGraph;
 /// The relation between sectors: bit j of row i says that sector i sees sector j, of `n_sectors` in
 /// all (as many as the level has). Symmetric where the visible sets are; every sector sees itself.
 pub fn sectors(n_sectors: usize, graph: &CellGraph, pvs: &Pvs) -> BitMatrix {
-    let mut cells_of: Vec<Vec<usize>> = vec![Vec::new(); n_sectors];
-    for (i, cell) in graph.cells.iter().enumerate() {
-        for sector in cell.sector.iter().chain(&cell.also) {
-            if let Some(cells) = cells_of.get_mut(sector.0 as usize) {
-                cells.push(i);
+    groups(n_sectors, pvs, |cell| {
+        let cell = &graph.cells[cell];
+        cell.sector.iter().chain(&cell.also).map(|sector| sector.0)
+    })
+}
+
+/// The relation between groups of cells, of which each cell may be in several: bit j of row i says that
+/// some cell of group i sees one of group j. Every group sees itself; one without cells sees, and is
+/// seen by, every other. Numbers that are not below `n` count for nothing.
+pub(super) fn groups<I>(n: usize, pvs: &Pvs, of: impl Fn(usize) -> I) -> BitMatrix
+where
+    I: Iterator<Item = u32>,
+{
+    let mut cells_of: Vec<Vec<usize>> = vec![Vec::new(); n];
+    for cell in 0..pvs.visible.n() {
+        for group in of(cell) {
+            if let Some(cells) = cells_of.get_mut(group as usize) {
+                cells.push(cell);
             }
         }
     }
-    let mut result = BitMatrix::new(n_sectors);
+    let mut result = BitMatrix::new(n);
     let mut seen = vec![0u64; pvs.visible.stride()];
-    for (sector, cells) in cells_of.iter().enumerate() {
-        result.set(sector, sector);
+    for (group, cells) in cells_of.iter().enumerate() {
+        result.set(group, group);
         if cells.is_empty() {
-            for other in 0..n_sectors {
-                result.set(sector, other);
-                result.set(other, sector);
+            for other in 0..n {
+                result.set(group, other);
+                result.set(other, group);
             }
             continue;
         }
@@ -37,11 +50,8 @@ pub fn sectors(n_sectors: usize, graph: &CellGraph, pvs: &Pvs) -> BitMatrix {
             }
         }
         for cell in super::ones(&seen) {
-            let cell = &graph.cells[cell];
-            for other in cell.sector.iter().chain(&cell.also) {
-                if (other.0 as usize) < n_sectors {
-                    result.set(sector, other.0 as usize);
-                }
+            for other in of(cell).filter(|&other| (other as usize) < n) {
+                result.set(group, other as usize);
             }
         }
     }

@@ -17,6 +17,7 @@ use crate::cells::{CellGraph, CellId, Portal};
 use crate::geom::VertexId;
 use crate::level::{Level, Place, Sector};
 use crate::pvs::Pvs;
+use crate::pvs::file::LevelInfo;
 
 /// How long each stage took, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -42,8 +43,25 @@ pub fn write(
     pvs: &Pvs,
     seconds: &Seconds,
 ) -> io::Result<()> {
+    let info = LevelInfo::of(level);
+    write_known(out, &info, &level.sectors, graph, pvs, seconds)
+}
+
+/// As [`write`], of what a `.pvs` file says of its level; without the sectors, cells have no heights.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_known(
+    out: impl Write,
+    info: &LevelInfo,
+    sectors: &[Sector],
+    graph: &CellGraph,
+    pvs: &Pvs,
+    seconds: &Seconds,
+) -> io::Result<()> {
     let document = Document {
-        level,
+        info,
+        sectors,
         graph,
         pvs,
         seconds,
@@ -102,7 +120,8 @@ fn position(graph: &CellGraph, v: VertexId) -> DVec2 {
 }
 
 struct Document<'a> {
-    level: &'a Level,
+    info: &'a LevelInfo,
+    sectors: &'a [Sector],
     graph: &'a CellGraph,
     pvs: &'a Pvs,
     seconds: &'a Seconds,
@@ -111,17 +130,18 @@ struct Document<'a> {
 impl Serialize for Document<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Document {
-            level,
+            info,
+            sectors,
             graph,
             pvs,
             seconds,
         } = self;
         let mut map = serializer.serialize_map(None)?;
-        head(&mut map, "enfilade.pvs", level, graph, pvs)?;
+        head(&mut map, "enfilade.pvs", info, graph, pvs)?;
         map.serialize_entry("seconds", seconds)?;
         map.serialize_entry(
             "cells",
-            &each(graph.cell_ids().map(|id| cell(level, graph, id))),
+            &each(graph.cell_ids().map(|id| cell(sectors, graph, id))),
         )?;
         map.serialize_entry(
             "portals",
@@ -137,18 +157,18 @@ impl Serialize for Document<'_> {
 pub(super) fn head<M: SerializeMap>(
     map: &mut M,
     format: &str,
-    level: &Level,
+    info: &LevelInfo,
     graph: &CellGraph,
     pvs: &Pvs,
 ) -> Result<(), M::Error> {
     map.serialize_entry("format", format)?;
     map.serialize_entry("version", &1)?;
-    map.serialize_entry("level", &LevelHead(level))?;
+    map.serialize_entry("level", &LevelHead(info))?;
     map.serialize_entry("subdivision", graph.options.subdivision.as_str())?;
     map.serialize_entry("visibility", &Visibility { graph, pvs })
 }
 
-struct LevelHead<'a>(&'a Level);
+struct LevelHead<'a>(&'a LevelInfo);
 
 impl Serialize for LevelHead<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -157,9 +177,9 @@ impl Serialize for LevelHead<'_> {
         head.serialize_field("name", &level.name)?;
         head.serialize_field("source", &level.source)?;
         head.serialize_field("unit", &level.unit)?;
-        head.serialize_field("vertices", &level.n_vertices)?;
-        head.serialize_field("walls", &level.walls.len())?;
-        head.serialize_field("sectors", &level.sectors.len())?;
+        head.serialize_field("vertices", &level.vertices)?;
+        head.serialize_field("walls", &level.walls)?;
+        head.serialize_field("sectors", &level.sectors)?;
         head.serialize_field("snap", &level.snap)?;
         head.end()
     }
@@ -194,9 +214,9 @@ struct CellRecord {
     polygon: Vec<[f64; 2]>,
 }
 
-fn cell(level: &Level, graph: &CellGraph, id: CellId) -> CellRecord {
+fn cell(sectors: &[Sector], graph: &CellGraph, id: CellId) -> CellRecord {
     let sector_id = graph.cell(id).sector;
-    let sector: Option<&Sector> = sector_id.and_then(|s| level.sectors.get(s.0 as usize));
+    let sector: Option<&Sector> = sector_id.and_then(|s| sectors.get(s.0 as usize));
     CellRecord {
         sector: sector_id.map(|s| s.0),
         floor: sector.map(|s| s.floor.rest),

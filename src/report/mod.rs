@@ -3,6 +3,7 @@
 pub mod check;
 pub mod costs;
 pub mod explain;
+pub mod export;
 pub mod json;
 pub mod page;
 pub mod picture;

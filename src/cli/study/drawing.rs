@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::desk::Desk;
 use super::papers::{Papers, check_budget};
 use crate::cells::{Locator, Options, subdivide};
-use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
+use crate::cli::level_args::{DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use crate::cli::render::viewpoint::{self, ViewArgs, Viewpoint};
 use crate::cli::render::{AMBIENT, files};
 use crate::cli::{Answer, Memory, compute, progress, summary};
@@ -186,7 +186,7 @@ fn run<T: Serialize + Send>(
     check_budget(args.budget)?;
     args.view.check()?;
     let papers = Papers::new(&args.output, args.json.as_deref())?;
-    let source = open(&args.level.level)?;
+    let source = args.level.open()?;
     let level = source.level(args.level.map.as_deref())?;
     if !args.quiet {
         warn_of(&level.findings);

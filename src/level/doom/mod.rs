@@ -6,7 +6,7 @@
 //! - `raw` is the map as its lumps say it; `binary` and `udmf` (with `text`, its grammar) read it.
 //! - `specials` knows what the numbers of line specials move, `movers` finds the sectors they
 //!   move (`stairs` those of stairs), `reach` how far these go.
-//! - [`graphics`] puts textures together.
+//! - [`graphics`] puts textures together; [`gl`] reads the nodes that other programs made.
 //! - `dressing` tells what hangs on the walls and lies on floors and ceilings; `things` makes lights
 //!   of lamps and cameras of starts.
 //! - `assemble` checks the lists against each other and makes walls of the linedefs.
@@ -27,6 +27,7 @@ mod binary;
 mod defect;
 mod dressing;
 mod error;
+pub mod gl;
 pub mod graphics;
 mod movers;
 mod raw;

@@ -96,9 +96,8 @@ mod record;
 mod sides;
 mod source;
 mod standing;
+pub mod walks;
 pub mod write;
-
-use std::path::Path;
 
 pub use error::TomlError;
 
@@ -111,7 +110,7 @@ use self::record::File;
 use self::sides::add_lines;
 use self::source::SourceText;
 use super::Level;
-use super::draft::{Draft, DraftInterior};
+use super::draft::{Draft, DraftInterior, stem};
 use super::model::OpeningStyle;
 use super::snap::snap;
 
@@ -175,12 +174,6 @@ fn interior(plan: &Plan, file: &File) -> Result<DraftInterior, TomlError> {
             key: "start",
         }),
     }
-}
-
-/// A file's name without its ending.
-fn stem(source: &str) -> String {
-    let stem = Path::new(source).file_stem();
-    stem.map_or_else(|| source.to_string(), |s| s.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

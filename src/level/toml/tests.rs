@@ -510,7 +510,7 @@ fn mistakes_are_named_with_their_place() {
 /// All sample levels can be read, and say what they show.
 #[test]
 fn sample_levels_are_read() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
     let mut n_levels = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -96,9 +96,21 @@ impl<'a> Lookout<'a> {
         }
     }
 
+    /// Makes a graph ready, and keeps it.
+    pub fn owning(graph: CellGraph) -> Lookout<'static> {
+        let locator = Locator::new(&graph);
+        let mesh = FlatMesh::owning(graph);
+        Lookout { mesh, locator }
+    }
+
     /// The graph.
-    pub fn graph(&self) -> &'a CellGraph {
-        self.mesh.graph
+    pub fn graph(&self) -> &CellGraph {
+        &self.mesh.graph
+    }
+
+    /// Where its cells are found.
+    pub fn locator(&self) -> &Locator {
+        &self.locator
     }
 
     /// What an eye sees within a cone. O(what it sees).
@@ -130,6 +142,11 @@ impl Vista<'_> {
     /// The cells that are seen, each once: the eye's own first, then the others as they were met.
     pub fn cells(&self) -> &[CellId] {
         &self.found.seen
+    }
+
+    /// Whether a cell is among them. O(1).
+    pub fn sees(&self, cell: CellId) -> bool {
+        self.found.is_seen(cell)
     }
 
     /// The cells that touch the eye.

@@ -1,7 +1,7 @@
 //! The walk from the eye through the portals.
 
 use super::{Cone, OWN, Outside, Piece, Stretch, Wedge};
-use crate::cells::CellId;
+use crate::cells::{CellGraph, CellId};
 use crate::geom::pencil::{Aim, Pencil, Ray};
 use crate::geom::{Placed, Side};
 use crate::pvs::flat::{FlatEdge, FlatMesh, WALL};
@@ -67,6 +67,29 @@ enum Place {
 const MANY_EDGES: u32 = 16;
 
 impl Scratch {
+    /// With as much room as a look into a graph will hardly ever need, so that even the first
+    /// allocates nothing.
+    pub fn for_graph(graph: &CellGraph) -> Self {
+        let (cells, edges) = (graph.cells.len(), graph.edges.len());
+        Self {
+            seen: Vec::with_capacity(cells),
+            n_own: 0,
+            pieces: Vec::with_capacity(edges),
+            starts: Vec::with_capacity(edges),
+            walls: Vec::with_capacity(edges),
+            frames: Vec::with_capacity(edges),
+            around: Vec::with_capacity(cells),
+            waiting: Vec::with_capacity(cells),
+            marks: vec![0; cells],
+            look: 0,
+        }
+    }
+
+    /// Whether the last look saw a cell.
+    pub(super) fn is_seen(&self, cell: CellId) -> bool {
+        self.marks[cell.0 as usize] == self.look
+    }
+
     /// Finds what is seen. `near` are the cells that may touch the eye.
     pub(super) fn look(
         &mut self,

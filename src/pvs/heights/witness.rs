@@ -240,7 +240,7 @@ fn segment(
     gates: &[Gate],
     sightline: Option<Sightline>,
 ) -> Option<[DVec3; 2]> {
-    let graph = mesh.flat.graph;
+    let graph = &*mesh.flat.graph;
     let (first, last) = (gates.first()?, gates.last()?);
     let sightline = match (gates, sightline) {
         (_, Some(sightline)) => sightline,

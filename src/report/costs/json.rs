@@ -13,6 +13,7 @@ use super::baseline::Comparison;
 use super::budget::Check;
 use super::{Costs, Measure, Spread, Tally};
 use crate::cells::CellId;
+use crate::pvs::file::LevelInfo;
 use crate::report::json::{self, Seconds, each, head, write_lines};
 
 /// The whole level in a few numbers.
@@ -116,7 +117,13 @@ impl Serialize for Document<'_> {
             ..
         } = self.costs;
         let mut map = serializer.serialize_map(None)?;
-        head(&mut map, "enfilade.report", level, graph, pvs)?;
+        head(
+            &mut map,
+            "enfilade.report",
+            &LevelInfo::of(level),
+            graph,
+            pvs,
+        )?;
         map.serialize_entry("seconds", self.seconds)?;
         map.serialize_entry("report_seconds", seconds)?;
         map.serialize_entry("totals", &Totals::of(self.costs))?;
