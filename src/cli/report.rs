@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 
 use super::compute::{self, timed};
-use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, open, warn_of};
+use super::level_args::{BspArgs, DoorsArg, LevelArgs, SubdivisionArg, warn_of};
 use super::output::{self, Output};
 use super::render::trace_args::positive;
 use super::{Answer, complain, progress};
@@ -127,7 +127,7 @@ pub fn run(args: &ReportArgs) -> Result<Answer> {
     let pool = compute::pool(args.threads)?;
     let mut seconds = Seconds::default();
     let (source, level) = timed(&mut seconds.read, || -> Result<_> {
-        let source = open(&args.level.level)?;
+        let source = args.level.open()?;
         let level = source.level(args.level.map.as_deref())?;
         Ok((source, level))
     })?;
