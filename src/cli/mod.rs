@@ -18,7 +18,7 @@ mod stage;
 mod study;
 mod summary;
 mod verify;
-mod view;
+pub mod view;
 mod walk;
 
 use std::io::{self, Write};

@@ -6,6 +6,14 @@ use anyhow::Result;
 use clap::Args;
 
 use super::Answer;
+#[cfg(feature = "viewer")]
+use {
+    super::level_args::open,
+    super::render::files,
+    crate::viewer::{self, Loaded, Loader, Voice},
+    std::path::Path,
+    std::sync::Arc,
+};
 
 /// Walk through a level in a window: what is visible from where, why, and what it costs.
 #[derive(Debug, Args)]
@@ -22,7 +30,7 @@ pub struct ViewArgs {
 
 /// Findings and explanations in the words of `check` and `explain`.
 #[cfg(feature = "viewer")]
-const VOICE: crate::viewer::Voice = crate::viewer::Voice {
+const VOICE: Voice = Voice {
     findings: crate::report::check::of_cells,
     why: |level, graph, pvs, cells, heights| {
         use crate::pvs::explain::ExplainOptions;
@@ -42,40 +50,40 @@ const VOICE: crate::viewer::Voice = crate::viewer::Voice {
     },
 };
 
+/// Reads levels as every command does, with the pictures and meshes that they name.
+#[cfg(feature = "viewer")]
+fn read(path: &Path, map: Option<&str>) -> Result<Loaded> {
+    let source = open(path)?;
+    let level = source.level(map)?;
+    let files = files::read(path, &source, &level)?;
+    Ok(Loaded { level, files })
+}
+
+/// What the viewer needs of the rest of the program: how levels are read, and words.
+#[cfg(feature = "viewer")]
+pub fn services() -> (Loader, Voice) {
+    let loader = |path: &Path, map: Option<&str>| read(path, map).map_err(|e| format!("{e:#}"));
+    (Arc::new(loader), VOICE)
+}
+
 /// Runs `enfilade view`.
 #[cfg(feature = "viewer")]
-pub fn run(args: &ViewArgs) -> Result<Answer> {
-    use std::path::Path;
-    use std::sync::Arc;
-
-    use super::level_args::open;
-    use super::render::files;
-    use crate::viewer::{self, Loaded};
-
-    let read = |path: &Path, map: Option<&str>| -> Result<Loaded> {
-        let source = open(path)?;
-        let level = source.level(map)?;
-        let files = files::read(path, &source, &level)?;
-        Ok(Loaded { level, files })
-    };
+pub(super) fn run(args: &ViewArgs) -> Result<Answer> {
     let level = args.level.clone().map(|path| (path, args.map.clone()));
     if let Some((path, map)) = &level {
         // Said where it was asked for, before a window opens.
         read(path, map.as_deref())?;
     }
-    let loader = Arc::new(move |path: &Path, map: Option<&str>| {
-        read(path, map).map_err(|e| format!("{e:#}"))
-    });
     let log = args
         .log
         .then_some((|line: &str| super::complain(line)) as fn(&str));
-    viewer::run(level, (loader, VOICE), log)?;
+    viewer::run(level, services(), log)?;
     Ok(Answer::Yes)
 }
 
 /// Says how to get it.
 #[cfg(not(feature = "viewer"))]
-pub fn run(args: &ViewArgs) -> Result<Answer> {
+pub(super) fn run(args: &ViewArgs) -> Result<Answer> {
     _ = (&args.level, &args.map, args.log);
     anyhow::bail!(
         "this enfilade was built without the viewer; build it with `cargo build --release --features viewer`"

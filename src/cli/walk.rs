@@ -11,6 +11,8 @@ use super::render::trace_args::Asked;
 use super::render::{Renderer, files, painter};
 use super::stage::{self, Stage};
 use super::{Answer, progress};
+use crate::level::scene::CameraPath;
+use crate::level::toml::walks;
 use crate::preview::{self, Easel, Painter};
 use crate::pvs::Progress;
 use crate::report::walkthrough;
@@ -203,7 +205,10 @@ fn route(args: &WalkArgs, stage: &Stage) -> Result<Route> {
             tour: Some(tour),
         });
     }
-    let paths = &level.scene.paths;
+    let mut paths = level.scene.paths.clone();
+    if let Some(file) = &args.walks {
+        paths.extend(walks_of(file)?);
+    }
     let names = || {
         let names: Vec<&str> = paths.iter().map(|p| p.name.as_str()).collect();
         names.join(", ")
@@ -227,6 +232,13 @@ fn route(args: &WalkArgs, stage: &Stage) -> Result<Route> {
         fov: args.fov.unwrap_or(path.fov),
         tour: None,
     })
+}
+
+/// The paths of a file that holds nothing else.
+fn walks_of(file: &Path) -> Result<Vec<CameraPath>> {
+    let name = file.display();
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+    walks::read(&text).with_context(|| format!("{name} is no file of walks"))
 }
 
 /// The camera of each frame.

@@ -1,13 +1,14 @@
 //! Which cells are painted.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::pvs::eye::Cone;
 use crate::trace::beam::{Bundle, Fan};
 use crate::trace::camera::Camera;
 
 /// Which cells are painted. The picture is the same: the others cannot be seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Culling {
     /// All cells of the level.
     None,

@@ -11,17 +11,21 @@ use eframe::egui_wgpu::RenderState;
 use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
 use glam::{DVec2, DVec3};
 
+use super::costs::{Costs, Knobs};
 use super::document::{Document, Loader, Voice};
 use super::edit::Editing;
 use super::engine::{Card, Engine, Explained, Look, Report, SLOTS, Seen};
+use super::methods::Methods;
+use super::paths::{Play, Recording, Saving};
 use super::plan::PlanView;
+pub use super::settings::{Memory, Settings, Tab, View};
+use super::sightlines::Sightlines;
 use super::tracing::{Report as TracingReport, Traced, Tracing};
 use super::walker::{Mode, Walker};
 use crate::cells::{CellId, Doors};
-use crate::preview::Culling;
+use crate::level::scene::CameraPath;
 use crate::trace::camera::Camera;
-use crate::trace::effects::Effects;
-use crate::walk::{Ground, Track, TrackOptions, tour};
+use crate::trace::picture::Exposure;
 
 /// How much of the past the statistics show.
 pub(super) const HISTORY: usize = 600;
@@ -30,65 +34,6 @@ pub(super) const PIXELS: f32 = 1600.0;
 /// How often the file is looked at.
 const WATCH: Duration = Duration::from_millis(700);
 
-/// A tab of the side panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tab {
-    /// Cells, polygons, milliseconds.
-    Statistics,
-    /// What a picture calls for.
-    Effects,
-    /// Samples, depth, and their cost.
-    Accuracy,
-    /// Why two cells see each other.
-    Why,
-    /// What `check` says.
-    Findings,
-}
-
-/// What is drawn, and how.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Horizontal angle of view in degrees.
-    pub fov: f64,
-    /// Which cells are drawn.
-    pub culling: Culling,
-    /// With pictures.
-    pub textured: bool,
-    /// The plan beside the 3D view.
-    pub plan: bool,
-    /// The plan coloured by what cells see.
-    pub heat: bool,
-    /// Doors that stand closed count as walls.
-    pub closed: bool,
-    /// Heights count for "why".
-    pub heights: bool,
-    /// Times of the window's own thread.
-    pub debug: bool,
-    /// The keys.
-    pub help: bool,
-    /// What the view shows.
-    pub view: View,
-    /// Samples in each pixel of a traced picture, at the end.
-    pub samples: u32,
-    /// Most reflections in a row.
-    pub depth: u32,
-    /// Rays to each light with an extent, and into cones.
-    pub rays: u32,
-    /// Effects that are not traced although they matter.
-    pub without: Effects,
-}
-
-/// What the view shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum View {
-    /// The polygons, painted.
-    Painted,
-    /// The rays, traced.
-    Traced,
-    /// Both side by side.
-    Both,
-}
-
 /// What a frame took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
@@ -96,20 +41,6 @@ pub struct Sample {
     pub polygons: f64,
     /// Milliseconds to find out and to paint.
     pub milliseconds: f64,
-}
-
-/// A path that is played.
-pub struct Play {
-    /// The way.
-    pub track: Track,
-    /// What it is called.
-    pub name: String,
-    /// Seconds since its start.
-    pub at: f64,
-    /// Whether it goes on.
-    pub running: bool,
-    /// The way on the plan.
-    pub line: Vec<DVec2>,
 }
 
 /// The window.
@@ -127,8 +58,8 @@ pub struct App {
     pub settings: Settings,
     /// The plan.
     pub plan: PlanView,
-    /// The side panel.
-    pub tab: Tab,
+    /// Levels that were opened before.
+    pub recent: Vec<(PathBuf, Option<String>)>,
     /// What the eye saw last.
     pub seen: Option<Seen>,
     pub(super) picture: Option<TextureHandle>,
@@ -139,7 +70,13 @@ pub struct App {
     pub(super) tracing: Option<Tracing>,
     /// The traced picture, and what it is of.
     pub traced: Option<(TextureHandle, Traced)>,
-    pub(super) requested: Option<Camera>,
+    pub(super) requested: Option<(Camera, Knobs, Exposure)>,
+    /// What traced pictures have cost.
+    pub costs: Costs,
+    /// What other methods say of the level.
+    pub methods: Methods,
+    /// From the chosen cell, or the eye's.
+    pub sightlines: Option<Sightlines>,
     /// What has been asked of the mouse since the last frame.
     pub(super) look: DVec2,
     pub(super) asked: Option<Look>,
@@ -155,6 +92,18 @@ pub struct App {
     pub mark: Option<DVec2>,
     /// A path that is walked.
     pub play: Option<Play>,
+    /// Walks beside those of the level.
+    pub walks: Vec<CameraPath>,
+    /// A walk that is recorded.
+    pub recording: Option<Recording>,
+    /// A walk that is about to be saved.
+    pub keeping: Option<Saving>,
+    /// Whether the mouse looks around, and belongs to the view.
+    pub captured: bool,
+    /// Something that went well.
+    pub note: Option<String>,
+    /// A file that somebody chooses in a dialog of the system.
+    pub(super) choosing: Option<(Wanted, Receiver<Option<PathBuf>>)>,
     /// The past.
     pub history: VecDeque<Sample>,
     /// What went wrong.
@@ -190,24 +139,9 @@ impl App {
             engine: None,
             context: context.clone(),
             eye: Walker::new(DVec3::ZERO, DVec3::X, Mode::Walk),
-            settings: Settings {
-                fov: 75.0,
-                culling: Culling::Eye,
-                textured: true,
-                plan: true,
-                heat: false,
-                closed: false,
-                heights: false,
-                debug: false,
-                help: false,
-                view: View::Painted,
-                samples: 4,
-                depth: 5,
-                rays: 16,
-                without: Effects::NONE,
-            },
+            settings: Settings::default(),
             plan: PlanView::default(),
-            tab: Tab::Statistics,
+            recent: Vec::new(),
             seen: None,
             picture: None,
             card,
@@ -216,6 +150,9 @@ impl App {
             tracing: None,
             traced: None,
             requested: None,
+            costs: Costs::default(),
+            methods: Methods::default(),
+            sightlines: None,
             look: DVec2::ZERO,
             asked: None,
             frozen: None,
@@ -224,6 +161,12 @@ impl App {
             explained: None,
             mark: None,
             play: None,
+            walks: Vec::new(),
+            recording: None,
+            keeping: None,
+            captured: false,
+            note: None,
+            choosing: None,
             history: VecDeque::new(),
             error: None,
             typed: None,
@@ -284,6 +227,15 @@ impl App {
             device: card.device.clone(),
             queue: card.queue.clone(),
         });
+        if !same {
+            self.walks.clear();
+            let mut memory = self.memory();
+            memory.opened(document.path.clone(), document.map.clone());
+            self.recent = memory.recent;
+        }
+        self.methods = Methods::default();
+        self.sightlines = None;
+        (self.recording, self.keeping) = (None, None);
         self.engine = Some(Engine::start(document.clone(), card, move || {
             context.request_repaint();
         }));
@@ -302,6 +254,7 @@ impl App {
         }
         (self.source, self.second, self.explained) = (None, None, None);
         (self.frozen, self.play, self.mark) = (None, None, None);
+        self.costs = Costs::default();
         (self.asked, self.seen) = (None, None);
         (self.requested, self.traced) = (None, None);
         let name = format!("{} – enfilade", document.level.name);
@@ -332,40 +285,11 @@ impl App {
         self.play = None;
     }
 
-    /// Starts a path of the level, or, without a name, a tour.
-    pub fn play(&mut self, name: Option<&str>) {
-        let Some(document) = self.document.clone() else {
-            return;
-        };
-        let options = TrackOptions::default();
-        let (graph, space) = (&document.graph, &document.world.space);
-        let track = match name {
-            Some(name) => {
-                let paths = &document.level.scene.paths;
-                let path = paths.iter().find(|p| p.name == name);
-                path.map(|path| Track::new(path, &Ground::new(graph, space), &options))
-            }
-            None => {
-                tour(&document.level, graph, space, &document.person).map(|t| t.track(&options))
-            }
-        };
-        self.play = track.map(|track| Play {
-            line: track.points().iter().map(|p| p.truncate()).collect(),
-            track,
-            name: name.unwrap_or("tour").to_string(),
-            at: 0.0,
-            running: true,
-        });
-        if self.play.is_none() {
-            self.error = Some("there is no way to walk here".to_string());
-        }
-    }
-
     /// Asks why two cells see each other.
     pub fn ask_why(&mut self) {
         if let (Some(engine), Some(a), Some(b)) = (&self.engine, self.source, self.second) {
             engine.explain([a, b], self.settings.heights);
-            self.tab = Tab::Why;
+            self.settings.tab = Tab::Why;
         }
     }
 
@@ -395,6 +319,9 @@ impl App {
         let traced: Vec<_> = self.tracing.iter().flat_map(Tracing::reports).collect();
         for report in traced {
             if let TracingReport::Picture(traced) = report {
+                if let (true, Some((camera, knobs, _))) = (traced.done, self.requested) {
+                    self.costs.note(camera, knobs, traced.milliseconds);
+                }
                 let size = traced.size.map(|n| n as usize);
                 let image = ColorImage::from_rgb(size, &traced.bytes);
                 let options = TextureOptions::NEAREST;
@@ -451,18 +378,94 @@ impl App {
         }
     }
 
-    /// Goes on along a path.
-    fn walk_on(&mut self, seconds: f64) {
-        let Some(play) = &mut self.play else { return };
-        if play.running {
-            play.at += seconds;
-            if play.at > play.track.seconds() {
-                play.at = 0.0;
+    /// Lets somebody choose a file in the system's own dialog, beside the window's thread.
+    pub(super) fn choose(&mut self, wanted: Wanted) {
+        let (answer, choice) = channel();
+        let context = self.context.clone();
+        std::thread::spawn(move || {
+            let dialog = rfd::FileDialog::new();
+            _ = answer.send(match wanted {
+                Wanted::Level => dialog
+                    .add_filter("levels", &["toml", "wad", "dxf", "svg", "dd2vtt", "uvtt"])
+                    .add_filter("all files", &["*"])
+                    .pick_file(),
+                Wanted::Walks => dialog.add_filter("walks", &["toml"]).pick_file(),
+                Wanted::Save => dialog.add_filter("levels", &["toml"]).save_file(),
+            });
+            context.request_repaint();
+        });
+        self.choosing = Some((wanted, choice));
+    }
+
+    /// Takes in what was chosen.
+    fn chosen(&mut self) {
+        let Some((wanted, choice)) = self.choosing.take() else {
+            return;
+        };
+        match (choice.try_recv(), wanted) {
+            (Err(TryRecvError::Empty), _) => self.choosing = Some((wanted, choice)),
+            (Ok(Some(path)), Wanted::Level) => {
+                self.typed = None;
+                self.open(path, None);
             }
-            self.context.request_repaint();
+            (Ok(Some(path)), Wanted::Walks) => self.open_walks(&path),
+            (Ok(Some(path)), Wanted::Save) => {
+                self.saving = None;
+                self.save(path);
+            }
+            (Ok(None) | Err(TryRecvError::Disconnected), _) => {}
         }
-        let pose = play.track.at(play.at);
-        self.eye = Walker::new(pose.eye, pose.direction, self.eye.mode);
+    }
+
+    /// What is to be remembered.
+    pub fn memory(&self) -> Memory {
+        Memory {
+            settings: self.settings,
+            recent: self.recent.clone(),
+        }
+    }
+
+    /// Goes on as it was the last time.
+    pub fn remember(&mut self, memory: Memory) {
+        (self.settings, self.recent) = (memory.settings, memory.recent);
+    }
+
+    /// The explanation of the two cells that are chosen.
+    pub fn explanation(&self) -> Option<&Explained> {
+        let explained = self.explained.as_ref()?;
+        let cells = explained.cells.map(Some);
+        (cells == [self.source, self.second]).then_some(explained)
+    }
+
+    /// The chosen cell, or else the eye's.
+    pub fn subject(&self) -> Option<CellId> {
+        self.source.or(self.seen.as_ref().and_then(|s| s.cell))
+    }
+
+    /// Asks why a cell sees another.
+    pub fn ask_why_of(&mut self, source: CellId, second: CellId) {
+        (self.source, self.second) = (Some(source), Some(second));
+        self.ask_why();
+    }
+
+    /// Has the sightlines found that are to be shown.
+    fn follow_sightlines(&mut self) {
+        let (true, Some(document), Some(cell)) = (
+            self.settings.sightlines,
+            self.document.clone(),
+            self.subject(),
+        ) else {
+            self.sightlines = None;
+            return;
+        };
+        match &mut self.sightlines {
+            Some(lines) if lines.are_of(&document, cell) => lines.fetch(),
+            _ => {
+                let context = self.context.clone();
+                let wake = move || context.request_repaint();
+                self.sightlines = Some(Sightlines::start(&document, cell, wake));
+            }
+        }
     }
 }
 
@@ -472,6 +475,8 @@ impl eframe::App for App {
         let seconds = self.last.elapsed().as_secs_f64().min(0.1);
         self.last = start;
         self.fetch();
+        self.chosen();
+        self.methods.fetch();
         self.follow_edits();
         self.watch();
         self.dropped(ui);
@@ -488,17 +493,33 @@ impl eframe::App for App {
             .show(ui, |ui| self.side(ui));
         if self.settings.plan {
             egui::Panel::right("plan")
-                .default_size(520.0)
+                .default_size(460.0)
                 .frame(egui::Frame::NONE)
                 .show(ui, |ui| self.plan(ui));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| self.view(ui));
         self.windows(ui);
+        self.follow_sightlines();
         self.ask();
         self.trace();
         let took = start.elapsed().as_secs_f64() * 1e3;
         self.thread = [self.thread[0].max(took), took];
     }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, eframe::APP_KEY, &self.memory());
+    }
+}
+
+/// What a file is chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// To be opened.
+    Level,
+    /// Walks beside the level.
+    Walks,
+    /// To save the level in.
+    Save,
 }
 
 fn modified(path: &std::path::Path) -> Option<SystemTime> {

@@ -15,7 +15,8 @@ use crate::cells::{self, CellGraph, CellId, Doors, Locator, subdivide};
 use crate::level::{Finding, Level, OpeningStyle, WallKind};
 use crate::pvs::{Progress, Pvs, sweep};
 use crate::trace::world::{Files, World};
-use crate::walk::Person;
+use crate::walk::person::heights;
+use crate::walk::{Person, opened};
 
 /// A level file as it was read.
 pub struct Loaded {
@@ -54,8 +55,10 @@ pub struct Document {
     pub path: PathBuf,
     /// Which map of that file.
     pub map: Option<String>,
-    /// The level.
+    /// The level, as it was read or edited.
     pub level: Level,
+    /// The level as one walks through it: with its doors open, if they count as open.
+    pub standing: Level,
     /// The level's pictures and meshes.
     pub files: Arc<Files>,
     /// Its cells.
@@ -70,6 +73,8 @@ pub struct Document {
     pub findings: Vec<Finding>,
     /// By cell: how many cells it sees.
     pub sees: Vec<u32>,
+    /// The cells, those that see most first.
+    pub dearest: Vec<CellId>,
     /// What the plan shows.
     pub plan: Shapes,
     /// Who walks.
@@ -128,27 +133,37 @@ impl Document {
             doors,
             ..cells::Options::default()
         };
-        let graph = subdivide(&level, &options);
+        let person = Person::of_unit(&level.unit);
+        let standing = match doors {
+            Doors::Open => opened(&level, &person),
+            Doors::Closed => level.clone(),
+        };
+        let graph = subdivide(&standing, &options);
         lap(&mut stages.subdivide);
         let pvs = sweep::sweep(&graph, &Progress::default());
         lap(&mut stages.visibility);
-        let world = World::new(&level, &graph, &pvs, &files, AMBIENT).map_err(|e| e.to_string())?;
+        let world =
+            World::new(&standing, &graph, &pvs, &files, AMBIENT).map_err(|e| e.to_string())?;
         lap(&mut stages.world);
         let mut findings = level.findings.clone();
         findings.extend(graph.findings.iter().cloned());
         findings.extend((voice.findings)(&level, &graph));
         findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
         let sees = graph.cell_ids().map(|c| pvs.seen_from(c).count() as u32);
-        let person = Person::of_unit(&level.unit);
+        let sees: Vec<u32> = sees.collect();
+        let mut dearest: Vec<CellId> = graph.cell_ids().collect();
+        dearest.sort_by_key(|c| std::cmp::Reverse(sees[c.0 as usize]));
         Ok(Self {
             locator: Locator::new(&graph),
-            sees: sees.collect(),
+            sees,
+            dearest,
             plan: Shapes::of(&level, &graph),
-            footing: Footing::new(&level, &graph, &world.space, &person),
+            footing: Footing::new(&standing, &graph, &world.space, &person),
             person,
             path,
             map,
             level,
+            standing,
             files,
             graph,
             pvs,
@@ -185,6 +200,23 @@ impl Document {
         }
     }
 
+    /// How many portals a cell has.
+    pub fn portals(&self, cell: CellId) -> usize {
+        let edges = self.graph.edge_range(cell);
+        edges
+            .filter(|e| self.graph.edge(cells::EdgeId(*e)).twin().is_some())
+            .count()
+    }
+
+    /// The cell whose middle is farthest away of all that a cell sees, and how far.
+    pub fn farthest(&self, cell: CellId) -> Option<(CellId, f64)> {
+        let middle = |c| self.world.middle(c).0;
+        let here = middle(cell);
+        let seen = self.pvs.seen_from(cell).filter(|c| *c != cell);
+        let far = seen.map(|c| (c, middle(c).distance(here)));
+        far.max_by(|p, q| p.1.total_cmp(&q.1))
+    }
+
     /// A point in grid steps in the level's unit.
     pub fn to_level(&self, at: DVec2) -> DVec2 {
         self.graph.grid.offset_to_level(at.x, at.y)
@@ -205,10 +237,14 @@ impl Document {
         let Some(cell) = largest else {
             return (glam::DVec3::ZERO, glam::DVec3::X);
         };
-        let chamber = self.world.space.cell(cell.0);
-        let height = (chamber.ceiling - chamber.floor) * 0.9;
-        let eye = chamber.floor + self.person.eye.min(height);
+        let eye = self.eye_level(cell);
         (self.world.middle(cell).0.extend(eye), glam::DVec3::X)
+    }
+
+    /// The height of somebody's eyes who stands in a cell.
+    pub fn eye_level(&self, cell: CellId) -> f64 {
+        let [floor, ceiling] = heights(self.world.space.cell(cell.0));
+        floor + self.person.eye.min((ceiling - floor).max(0.0) * 0.9)
     }
 }
 

@@ -4,7 +4,6 @@
 //! when it is there it takes the old one's place, and the change in what is seen is told. While a corner
 //! is dragged only its newest place counts. Everything can be undone.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -14,6 +13,7 @@ use glam::DVec2;
 
 use super::app::App;
 use super::document::Document;
+use super::paths::write_whole;
 use crate::cells::Doors;
 use crate::geom::GridPoint;
 use crate::level::edit::{History, move_point, near, toggle};
@@ -252,18 +252,7 @@ impl App {
 fn save(level: &Level, path: &Path) -> Result<String, String> {
     let name = path.display();
     let written = write::write(level).map_err(|e| format!("{name}: {e}"))?;
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let put = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(written.text.as_bytes())?;
-        file.as_file().sync_all()?;
-        file.persist(path)?;
-        Ok(())
-    };
-    put().map_err(|e| format!("cannot write {name}: {e}"))?;
+    write_whole(path, written.text.as_bytes()).map_err(|e| format!("cannot write {name}: {e}"))?;
     Ok(match written.left_out.len() {
         0 => format!("saved as {name}"),
         _ => format!("saved as {name}, without {}", written.left_out.join(", ")),

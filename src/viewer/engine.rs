@@ -9,13 +9,13 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::document::Document;
 use super::scene::{self, Pipelines, Scene, Target};
 use crate::cells::CellId;
 use crate::preview::{Culling, Easel, Figures, Finish, Options, Painter, culling::cone};
-use crate::pvs::explain::{ExplainOptions, Explanation, explain};
+use crate::pvs::explain::{ExplainOptions, Explanation, Space, explain};
 use crate::pvs::eye::{Lookout, Scratch};
 use crate::pvs::heights::HeightsOptions;
 use crate::trace::camera::Camera;
@@ -87,6 +87,8 @@ pub struct Explained {
     pub text: String,
     /// A sightline, in the level's unit.
     pub line: Option<[DVec2; 2]>,
+    /// And in space: through the openings, if heights count and it is known; else at the height of eyes.
+    pub rise: Option<[DVec3; 2]>,
     /// The shortest way, of cells that do not.
     pub way: Vec<DVec2>,
     /// Milliseconds.
@@ -257,7 +259,6 @@ impl Studio {
             chosen_for: look.chosen_by.as_ref(),
             smooth: true,
             objects: true,
-            lines: &[],
         };
         let frame = scene
             .prepare((device, queue), painter, &wanted, easel)
@@ -358,11 +359,20 @@ fn why(document: &Document, cells: [CellId; 2], heights: bool) -> Option<Explain
     };
     let explanation = explain(graph, pvs, cells[0], cells[1], &options)?;
     let text = (document.voice.why)(level, graph, pvs, cells, heights)?;
-    let (mut line, mut way) = (None, Vec::new());
+    let (mut line, mut rise, mut way) = (None, None, Vec::new());
     match &explanation {
         Explanation::Visible(view) => {
             let segment = [&view.segment.from, &view.segment.to];
-            line = Some(segment.map(|p| document.to_level(p.approx())));
+            let plan = segment.map(|p| document.to_level(p.approx()));
+            line = Some(plan);
+            let space = match &view.space {
+                Some(Space::Seen(passage)) => passage.segment,
+                _ => None,
+            };
+            rise = Some(match space {
+                Some(ends) => ends.map(|p| document.to_level(p.truncate()).extend(p.z)),
+                None => [0, 1].map(|k| plan[k].extend(document.eye_level(cells[k]))),
+            });
         }
         Explanation::Hidden(hidden) => {
             way = hidden
@@ -379,6 +389,7 @@ fn why(document: &Document, cells: [CellId; 2], heights: bool) -> Option<Explain
         sees: explanation.sees(),
         text,
         line,
+        rise,
         way,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })

@@ -10,6 +10,12 @@
 //! | [`document`] | a level with all that there is to show of it; never changed, only replaced |
 //! | [`engine`] | a thread that answers what an eye sees, and why cells see each other |
 //! | [`plan`] | the plan: to look at and to click on |
+//! | [`overlay`] | lines over the view: borders of cells, sightlines, walks |
+//! | [`sightlines`] | from one cell to all that it sees |
+//! | [`methods`] | what other ways to a PVS cost here, and what they get wrong |
+//! | [`costs`] | what traced pictures have cost, by what was asked of them |
+//! | [`paths`] | walks: played, recorded, saved |
+//! | [`settings`] | what is chosen, and what of it is remembered |
 //! | [`app`] | the window: what is open, and what goes on |
 //! | [`walker`] | movement: on the ground with its walls and steps, or flying |
 //! | [`scene`] | the picture in space by the graphics card, in the order of the BSP |
@@ -17,24 +23,32 @@
 //! | [`tracing`] | the ray tracer beside the window's thread, coarse at once and finer as one waits |
 //! | [`edit`] | changing the level on the plan, and saving it |
 //! | `view`, `steer` | what view and plan show; keys and mouse |
-//! | [`panels`] | statistics, effects, accuracy, findings, help |
+//! | [`panels`], `accuracy`, `windows` | menus, statistics, effects, findings; what accuracy costs; keys, errors, files |
 
+mod accuracy;
 pub mod app;
+pub mod costs;
 pub mod document;
 pub mod edit;
 pub mod engine;
 pub mod gpu;
+pub mod methods;
+pub mod overlay;
 pub mod panels;
+pub mod paths;
 pub mod plan;
 #[cfg(test)]
 mod sample;
 pub mod scene;
+pub mod settings;
+pub mod sightlines;
 mod steer;
 #[cfg(all(test, feature = "viewer-tests"))]
 mod tests;
 pub mod tracing;
 mod view;
 pub mod walker;
+mod windows;
 
 use std::path::PathBuf;
 
@@ -49,8 +63,9 @@ pub use document::{Document, Loaded, Loader, Voice};
 pub enum ViewerError {
     /// Neither a screen nor a graphics adapter.
     #[error(
-        "cannot open a window: {0}; on Linux a screen (X11 or Wayland) and Vulkan are needed; without a \
-         graphics card install Mesa's software driver (apt-get install mesa-vulkan-drivers)"
+        "cannot open a window: that takes a screen (X11 or Wayland) and a Vulkan or OpenGL driver; without a \
+         graphics card install Mesa's software driver (Debian, Ubuntu: `apt-get install \
+         mesa-vulkan-drivers`). What the system says: {0}"
     )]
     Window(String),
 }
@@ -75,6 +90,9 @@ pub fn run(
     > {
         let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), (loader, voice));
         app.log = log;
+        if let Some(memory) = context.storage.and_then(|s| eframe::get_value(s, eframe::APP_KEY)) {
+            app.remember(memory);
+        }
         if let Some((path, map)) = level {
             app.open(path, map);
         }

@@ -1,47 +1,44 @@
-//! What stands around the view and the plan: menus, status, statistics, effects, findings, help.
+//! What stands around the view and the plan: menus, status, statistics, effects, explanations, findings.
 
 use eframe::egui;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
+use glam::DVec3;
 
-use super::app::{App, Tab, View};
-use super::walker::Mode;
+use super::app::{App, Tab, View, Wanted};
+use super::walker::{Mode, Walker};
+use crate::cells::CellId;
 use crate::level::wording::grouped;
 use crate::level::{Finding, Place, Severity};
 use crate::preview::Culling;
 
-/// The keys, and what they do.
-const KEYS: [(&str, &str); 18] = [
-    ("W A S D", "walk; arrow keys too, left and right turn"),
-    ("drag in the view", "look around"),
-    ("Shift", "run"),
-    ("F", "fly through walls, or walk"),
-    ("Q E", "down and up, flying"),
-    ("M", "plan on and off"),
-    ("H", "plan coloured by the number of cells seen"),
-    ("P", "freeze what is drawn, and fly out to look at it"),
-    ("1 2 3", "painted, traced, or both side by side"),
-    ("T", "pictures on the walls, or plain colours"),
-    ("click in the plan", "this cell's PVS"),
-    (
-        "Shift-click in the plan",
-        "why the first cell sees this one, or not",
-    ),
-    ("double-click in the plan", "go there"),
-    ("B", "change the level: drag corners, click doors"),
-    ("Ctrl Z, Ctrl Y", "take back, do again"),
-    ("Esc", "nothing chosen"),
-    ("F3", "times of the window itself"),
-    ("F5", "read the file again"),
-];
+/// Of what is well.
+pub(super) const GOOD: Color32 = Color32::from_rgb(110, 220, 130);
+/// How many cells are listed.
+const LISTED: usize = 8;
 
 impl App {
     /// The menus.
     pub(super) fn menu(&mut self, ui: &mut Ui) {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| {
-                if ui.button("Open…").clicked() {
+                if ui.button("Open… (Ctrl O)").clicked() {
                     self.typed = Some(String::new());
+                }
+                if !self.recent.is_empty() {
+                    ui.menu_button("Recent", |ui| {
+                        for (path, map) in self.recent.clone() {
+                            let name = path.file_name().unwrap_or_default().to_string_lossy();
+                            let text = match &map {
+                                Some(map) => format!("{name}, {map}"),
+                                None => name.into_owned(),
+                            };
+                            let button = ui.button(text).on_hover_text(path.display().to_string());
+                            if button.clicked() {
+                                self.open(path, map);
+                            }
+                        }
+                    });
                 }
                 if ui.button("Read again (F5)").clicked() {
                     self.reload();
@@ -51,7 +48,7 @@ impl App {
                     let name = name.unwrap_or_default().to_lowercase().replace(' ', "-");
                     self.saving = Some(format!("{name}.toml"));
                 }
-                if ui.button("Quit").clicked() {
+                if ui.button("Quit (Ctrl Q)").clicked() {
                     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
                 }
             });
@@ -63,6 +60,11 @@ impl App {
                 ui.separator();
                 ui.checkbox(&mut s.plan, "Plan (M)");
                 ui.checkbox(&mut s.heat, "Cells seen, in colours (H)");
+                ui.checkbox(
+                    &mut s.sightlines,
+                    "A sightline to each cell that is seen (L)",
+                );
+                ui.checkbox(&mut s.outlines, "Borders of the cells in view (O)");
                 ui.checkbox(&mut s.textured, "Pictures on walls (T)");
                 ui.checkbox(&mut self.plan.follow, "Plan follows the eye");
                 if ui.button("Whole plan").clicked() {
@@ -98,7 +100,36 @@ impl App {
                 ui.spinner();
                 ui.label(format!("reading {name}"));
             }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                self.modes(ui);
+            });
         });
+    }
+
+    /// What is switched most often, at the right of the menus.
+    fn modes(&mut self, ui: &mut Ui) {
+        let s = &mut self.settings;
+        ui.toggle_value(&mut s.plan, "Plan").on_hover_text("M");
+        ui.separator();
+        let mut mode = |ui: &mut Ui, mode, text, key| {
+            ui.selectable_value(&mut self.eye.mode, mode, text)
+                .on_hover_text(key);
+        };
+        mode(ui, Mode::Fly, "Fly", "F: through walls");
+        mode(ui, Mode::Walk, "Walk", "F: on the ground");
+        ui.separator();
+        let mut view = |ui: &mut Ui, view, text, key| {
+            ui.selectable_value(&mut s.view, view, text)
+                .on_hover_text(key);
+        };
+        view(ui, View::Both, "Both", "3: side by side");
+        view(ui, View::Traced, "Traced", "2: by rays");
+        view(
+            ui,
+            View::Painted,
+            "Painted",
+            "1: polygons in the BSP's order",
+        );
     }
 
     fn go_menu(&mut self, ui: &mut Ui) {
@@ -118,28 +149,31 @@ impl App {
                 }
             });
         }
-        for path in &document.level.scene.paths {
-            if ui.button(format!("Path: {}", path.name)).clicked() {
+        for path in self.paths() {
+            if ui.button(format!("Walk: {}", path.name)).clicked() {
                 self.play(Some(&path.name));
             }
         }
         if ui.button("A tour of all that can be reached").clicked() {
             self.play(None);
         }
+        ui.separator();
+        let text = match self.recording {
+            None => "Record a walk (R)",
+            Some(_) => "End the walk that is recorded (R)",
+        };
+        if ui.button(text).clicked() {
+            self.record();
+        }
+        if ui.button("Walks from a file…").clicked() {
+            self.choose(Wanted::Walks);
+        }
     }
 
     /// The line at the bottom.
     pub(super) fn status(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            if let Some(play) = &mut self.play {
-                let name = if play.running { "Pause" } else { "Go on" };
-                if ui.button(name).clicked() {
-                    play.running = !play.running;
-                }
-                let seconds = play.track.seconds();
-                ui.add(egui::Slider::new(&mut play.at, 0.0..=seconds).text(&play.name));
-                ui.separator();
-            }
+            self.walk_bar(ui);
             let (Some(document), Some(seen)) = (&self.document, &self.seen) else {
                 ui.label("drop a level file here, or open one in the menu");
                 return;
@@ -161,6 +195,10 @@ impl App {
             ui.separator();
             let ms: f64 = seen.milliseconds.iter().sum();
             ui.label(format!("{} polygons · {ms:.1} ms", seen.figures.painted));
+            if let Some(note) = &self.note {
+                ui.separator();
+                ui.colored_label(GOOD, note);
+            }
         });
     }
 
@@ -175,13 +213,13 @@ impl App {
                 (Tab::Why, "Why"),
                 (Tab::Findings, "Findings"),
             ] {
-                ui.selectable_value(&mut self.tab, tab, name);
+                ui.selectable_value(&mut self.settings.tab, tab, name);
             }
         });
         ui.separator();
         egui::ScrollArea::vertical()
             .auto_shrink(false)
-            .show(ui, |ui| match self.tab {
+            .show(ui, |ui| match self.settings.tab {
                 Tab::Statistics => self.statistics(ui),
                 Tab::Effects => self.effects(ui),
                 Tab::Accuracy => self.accuracy(ui),
@@ -234,11 +272,21 @@ impl App {
                 let [found, painted] = seen.milliseconds;
                 row(ui, "painted", grouped(seen.figures.painted));
                 row(ui, "of all polygons", grouped(seen.figures.all));
-                row(ui, "overdraw", format!("{:.2}", seen.figures.overdraw()));
+                // The graphics card does not count it.
+                let overdraw = seen.figures.overdraw();
+                if overdraw > 0.0 {
+                    row(ui, "overdraw", format!("{overdraw:.2}"));
+                }
                 row(ui, "to find out", format!("{found:.2} ms"));
                 row(ui, "to paint", format!("{painted:.2} ms"));
+                if let Some((_, traced)) = &self.traced {
+                    row(ui, "rays traced", grouped(traced.rays));
+                    row(ui, "to trace", format!("{:.0} ms", traced.milliseconds));
+                }
             });
         }
+        ui.add_space(8.0);
+        self.dearest(ui);
         ui.add_space(8.0);
         let points = |value: fn(&super::app::Sample) -> f64| -> PlotPoints<'_> {
             let all = self.history.iter().enumerate();
@@ -271,6 +319,41 @@ impl App {
         }
     }
 
+    /// The cells that see most, to go to.
+    fn dearest(&mut self, ui: &mut Ui) {
+        let Some(document) = self.document.clone() else {
+            return;
+        };
+        egui::CollapsingHeader::new("Most expensive cells")
+            .default_open(true)
+            .show(ui, |ui| {
+                let n = document.graph.cells.len() as f64;
+                egui::Grid::new("dearest").num_columns(3).show(ui, |ui| {
+                    for &cell in document.dearest.iter().take(LISTED) {
+                        let text = format!("cell {}", cell.0);
+                        let link = ui.link(text).on_hover_text("choose it on the plan");
+                        if link.clicked() {
+                            self.choose_cell(cell);
+                        }
+                        ui.label(document.sector(cell));
+                        let sees = document.sees[cell.0 as usize];
+                        let share = f64::from(sees) / n * 100.0;
+                        ui.label(format!("sees {sees} ({share:.0} %)"));
+                        ui.end_row();
+                    }
+                });
+            });
+    }
+
+    /// Makes a cell the source, and shows it on the plan.
+    pub fn choose_cell(&mut self, cell: CellId) {
+        (self.source, self.second, self.explained) = (Some(cell), None, None);
+        self.settings.plan = true;
+        if let Some(document) = &self.document {
+            self.plan.look_at(document.world.middle(cell).0);
+        }
+    }
+
     fn effects(&mut self, ui: &mut Ui) {
         let survey = self.seen.as_ref().and_then(|s| s.survey.clone());
         let Some(survey) = survey else {
@@ -280,8 +363,10 @@ impl App {
         ui.label("What a traced picture from this cell calls for, and why:");
         ui.add_space(6.0);
         for verdict in &survey.verdicts {
-            let (sign, colour) = if verdict.needed {
-                ("on", Color32::from_rgb(110, 220, 130))
+            let (sign, colour) = if self.settings.without.has(verdict.effect) && verdict.needed {
+                ("left out by you", Color32::from_rgb(236, 190, 90))
+            } else if verdict.needed {
+                ("on", GOOD)
             } else {
                 ("off", Color32::GRAY)
             };
@@ -298,44 +383,11 @@ impl App {
                     } else {
                         without.with(verdict.effect)
                     };
-                    self.trace_again();
                 }
                 ui.label(RichText::new(sign).color(colour).strong());
             });
             ui.label(RichText::new(&verdict.reason).weak());
             ui.add_space(6.0);
-        }
-    }
-
-    fn accuracy(&mut self, ui: &mut Ui) {
-        ui.label("What a traced picture (2, 3) costs as you turn these:");
-        let s = &mut self.settings;
-        let mut changed = false;
-        for (value, range, name) in [
-            (&mut s.samples, 1..=64, "samples in a pixel"),
-            (&mut s.depth, 0..=16, "reflections in a row"),
-            (&mut s.rays, 1..=64, "rays to lights and into cones"),
-        ] {
-            changed |= ui.add(egui::Slider::new(value, range).text(name)).changed();
-        }
-        if changed {
-            self.trace_again();
-        }
-        ui.add_space(8.0);
-        if let Some((_, traced)) = &self.traced {
-            egui::Grid::new("traced").num_columns(2).show(ui, |ui| {
-                let mut row = |name: &str, value: String| {
-                    ui.label(RichText::new(name).weak());
-                    ui.label(value);
-                    ui.end_row();
-                };
-                row("picture", format!("{:.0} ms", traced.milliseconds));
-                row("rays", grouped(traced.rays));
-                row("since the eye rests", format!("{:.0} ms", traced.since));
-                row("samples", traced.samples.to_string());
-            });
-        } else {
-            ui.label(RichText::new("no picture is traced now").weak());
         }
     }
 
@@ -346,18 +398,27 @@ impl App {
         {
             self.ask_why();
         }
+        if let (Some(document), Some(cell)) = (self.document.clone(), self.subject())
+            && let Some((farthest, distance)) = document.farthest(cell)
+        {
+            let text = format!("why cell {} sees cell {}", cell.0, farthest.0);
+            let hint = format!("the farthest that it sees, {distance:.1} away");
+            if ui.button(text).on_hover_text(hint).clicked() {
+                self.ask_why_of(cell, farthest);
+            }
+        }
         ui.separator();
         match &self.explained {
             None => {
                 ui.label(
-                    "Click a cell in the plan, then another one with Shift: here stands why the one \
-                     sees the other, or what is in the way.",
+                    "Click a cell in the plan, then another one with Shift (or with the right button: \
+                     from the eye's cell): here stands why the one sees the other, or what is in the way.",
                 );
             }
             Some(explained) => {
                 let [a, b] = explained.cells.map(|c| c.0);
                 let (verb, colour) = if explained.sees {
-                    ("sees", Color32::from_rgb(110, 220, 130))
+                    ("sees", GOOD)
                 } else {
                     ("does not see", Color32::from_rgb(230, 120, 130))
                 };
@@ -367,10 +428,28 @@ impl App {
                         .strong(),
                 );
                 ui.label(RichText::new(format!("{:.1} ms", explained.milliseconds)).weak());
+                let look = explained
+                    .rise
+                    .filter(|_| ui.button("Look along the sightline").clicked());
                 ui.add_space(6.0);
                 ui.label(RichText::new(&explained.text).monospace().size(11.5));
+                if let Some(line) = look {
+                    self.look_along(line);
+                }
             }
         }
+    }
+
+    /// Puts the eye over one end of a line, and has it look at the other.
+    pub fn look_along(&mut self, [from, to]: [DVec3; 2]) {
+        // A little above it, or it would be a point.
+        const ABOVE: f64 = 0.12;
+        let Some(document) = &self.document else {
+            return;
+        };
+        let eye = from + DVec3::Z * document.person.eye * ABOVE;
+        self.eye = Walker::new(eye, to - eye, self.eye.mode);
+        self.play = None;
     }
 
     fn findings(&mut self, ui: &mut Ui) {
@@ -412,77 +491,5 @@ impl App {
             }
         });
         ui.add_space(8.0);
-    }
-
-    /// Windows that lie over everything.
-    pub(super) fn windows(&mut self, ui: &mut Ui) {
-        let context = ui.ctx().clone();
-        let mut open = self.settings.help;
-        egui::Window::new("Keys")
-            .open(&mut open)
-            .resizable(false)
-            .show(&context, |ui| {
-                egui::Grid::new("keys")
-                    .num_columns(2)
-                    .striped(true)
-                    .show(ui, |ui| {
-                        for (key, what) in KEYS {
-                            ui.label(RichText::new(key).strong());
-                            ui.label(what);
-                            ui.end_row();
-                        }
-                    });
-            });
-        self.settings.help = open;
-        if let Some(error) = self.error.clone() {
-            let mut open = true;
-            egui::Window::new("This does not work")
-                .open(&mut open)
-                .show(&context, |ui| {
-                    ui.label(error);
-                    if self.document.is_some() {
-                        ui.label(RichText::new("What was open stays open.").weak());
-                    }
-                    if ui.button("Close").clicked() {
-                        self.error = None;
-                    }
-                });
-            if !open {
-                self.error = None;
-            }
-        }
-        if let Some(mut path) = self.saving.take() {
-            let (mut open, mut go) = (true, false);
-            egui::Window::new("Save as TOML")
-                .open(&mut open)
-                .show(&context, |ui| {
-                    ui.text_edit_singleline(&mut path).request_focus();
-                    go = ui.button("Save").clicked()
-                        || ui.input(|i| i.key_pressed(egui::Key::Enter));
-                });
-            if go {
-                self.save(path.into());
-            } else if open {
-                self.saving = Some(path);
-            }
-        }
-        if let Some(mut typed) = self.typed.take() {
-            let (mut open, mut go) = (true, false);
-            egui::Window::new("Open a level").open(&mut open).show(&context, |ui| {
-                ui.label("Path of a .toml or .wad file; or drop it on the window. After a # the map of a WAD.");
-                let field = ui.text_edit_singleline(&mut typed);
-                field.request_focus();
-                go = ui.button("Open").clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter));
-            });
-            if go {
-                let (path, map) = match typed.rsplit_once('#') {
-                    Some((path, map)) => (path, Some(map.to_string())),
-                    None => (&typed[..], None),
-                };
-                self.open(path.into(), map);
-            } else if open {
-                self.typed = Some(typed);
-            }
-        }
     }
 }

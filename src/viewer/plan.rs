@@ -5,10 +5,12 @@
 //! click sends the eye there.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
-use glam::DVec2;
+use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
+use glam::{DVec2, DVec3};
 
 use super::document::{Document, Line};
+use super::methods::Rival;
+use super::sightlines::Sightlines;
 use crate::cells::CellId;
 
 /// Which part of the plan is shown.
@@ -63,6 +65,12 @@ pub struct PlanScene<'a> {
     pub mark: Option<DVec2>,
     /// Whether the level is changed here.
     pub editing: bool,
+    /// From the source to all that it sees.
+    pub sightlines: Option<&'a Sightlines>,
+    /// Another method's visible sets, compared with the exact ones.
+    pub rival: Option<&'a Rival>,
+    /// A walk that is recorded.
+    pub recorded: &'a [DVec3],
 }
 
 /// What somebody wants.
@@ -84,23 +92,42 @@ pub enum PlanEvent {
     Drop,
     /// The door so near to a place opened, or closed.
     Door(DVec2, f64),
+    /// To know why the eye's cell sees this one.
+    Why(CellId),
+    /// To change the level, or to end that.
+    Edit,
 }
+
+/// Points of the screen that count as near.
+const NEAR: f64 = 9.0;
 
 const BACK: Color32 = Color32::from_rgb(18, 21, 26);
 const FLOOR: Color32 = Color32::from_rgb(44, 50, 59);
 const SEEN: Color32 = Color32::from_rgb(38, 76, 116);
-const CONE: Color32 = Color32::from_rgb(60, 118, 168);
+pub(super) const CONE: Color32 = Color32::from_rgb(60, 118, 168);
 const OWN: Color32 = Color32::from_rgb(92, 160, 220);
-const SOURCE: Color32 = Color32::from_rgb(232, 150, 62);
-const SECOND: Color32 = Color32::from_rgb(214, 96, 128);
+pub(super) const SOURCE: Color32 = Color32::from_rgb(232, 150, 62);
+pub(super) const SECOND: Color32 = Color32::from_rgb(214, 96, 128);
 const AREA: Color32 = Color32::from_rgba_premultiplied(72, 60, 16, 60);
 const LIGHT: Color32 = Color32::from_rgb(245, 222, 140);
-const SIGHT: Color32 = Color32::from_rgb(96, 226, 130);
+pub(super) const SIGHT: Color32 = Color32::from_rgb(96, 226, 130);
+pub(super) const WALKED: Color32 = Color32::from_rgb(150, 120, 230);
+/// What another method sees too much, and what it misses.
+pub(super) const EXTRA: Color32 = Color32::from_rgb(226, 84, 84);
+pub(super) const MISSED: Color32 = Color32::from_rgb(240, 208, 80);
 
 impl PlanView {
     /// Shows everything.
     pub fn show_all(&mut self) {
         self.scale = 0.0;
+    }
+
+    /// Brings a place into the middle.
+    pub fn look_at(&mut self, at: DVec2) {
+        if self.scale > 0.0 {
+            self.middle = at;
+            self.follow = false;
+        }
     }
 
     fn fit(&mut self, [low, high]: [DVec2; 2], rect: Rect) {
@@ -140,10 +167,11 @@ impl PlanView {
         painter.rect_filled(rect, 0.0, BACK);
         let place = |p: DVec2| self.to_screen(rect, p);
         self.cells(scene, rect, &painter);
+        let mut area = Mesh::default();
         for piece in scene.area {
-            let outline: Vec<Pos2> = piece.iter().map(|p| place(*p)).collect();
-            painter.add(Shape::convex_polygon(outline, AREA, Stroke::NONE));
+            self.fill(&mut area, rect, piece, AREA);
         }
+        painter.add(area);
         for (line, ends) in &document.plan.lines {
             let ends = ends.map(place);
             if !rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
@@ -151,11 +179,19 @@ impl PlanView {
             }
             painter.line_segment(ends, stroke(*line));
         }
+        if let Some(fan) = scene.sightlines {
+            let thin = Stroke::new(0.8, SIGHT.gamma_multiply(0.45));
+            for line in &fan.lines {
+                painter.line_segment(line.map(place), thin);
+            }
+            if let Some((longest, _)) = fan.longest().filter(|_| fan.complete) {
+                painter.line_segment(longest.map(place), Stroke::new(2.0, SIGHT));
+            }
+        }
         let walked: Vec<Pos2> = scene.path.iter().map(|p| place(*p)).collect();
-        painter.add(Shape::line(
-            walked,
-            Stroke::new(1.5, Color32::from_rgb(150, 120, 230)),
-        ));
+        painter.add(Shape::line(walked, Stroke::new(1.5, WALKED)));
+        let new: Vec<Pos2> = scene.recorded.iter().map(|p| place(p.truncate())).collect();
+        painter.add(Shape::line(new, Stroke::new(2.0, Color32::RED)));
         let way: Vec<Pos2> = scene.way.iter().map(|p| place(*p)).collect();
         painter.add(Shape::dashed_line(&way, Stroke::new(1.5, SECOND), 6.0, 4.0));
         if let Some(ends) = scene.sightline {
@@ -170,13 +206,22 @@ impl PlanView {
         if let (Some(at), Some(cell)) = (at, cell) {
             self.outline(&painter, rect, document, cell, Color32::WHITE);
             let text = format!(
-                "cell {}, {}\nsees {} of {} cells\n{:.2}, {:.2}",
+                "cell {}, {}\nsees {} of {} cells · {} portals\n{:.2}, {:.2}",
                 cell.0,
                 document.sector(cell),
                 document.sees[cell.0 as usize],
                 document.graph.cells.len(),
+                document.portals(cell),
                 at.x,
                 at.y
+            );
+            label(&painter, rect, text);
+        } else if let Some(fan) = scene.sightlines {
+            let longest = fan.longest().map_or(0.0, |l| l.1);
+            let text = format!(
+                "{} sightlines from cell {}\nthe longest is {longest:.2} long",
+                fan.lines.len(),
+                fan.cell.0
             );
             label(&painter, rect, text);
         }
@@ -186,6 +231,9 @@ impl PlanView {
         if scene.editing
             && let Some(event) = self.hand(ui, &response, scene)
         {
+            return Some(event);
+        }
+        if let Some(event) = menu(&response, scene, (at, cell), NEAR / self.scale) {
             return Some(event);
         }
         let shift = ui.input(|i| i.modifiers.shift);
@@ -200,8 +248,6 @@ impl PlanView {
 
     /// What a hand on the plan does to the level.
     fn hand(&mut self, ui: &Ui, response: &egui::Response, scene: &PlanScene) -> Option<PlanEvent> {
-        /// Points of the screen that count as near.
-        const NEAR: f64 = 9.0;
         let (rect, within) = (response.rect, NEAR / self.scale);
         if response.drag_started_by(egui::PointerButton::Primary) {
             let start = ui.input(|i| i.pointer.press_origin())?;
@@ -217,10 +263,7 @@ impl PlanView {
         }
         if response.clicked() {
             let at = self.to_plan(rect, response.interact_pointer_pos()?);
-            let door = |(line, ends): &(Line, [DVec2; 2])| {
-                *line == Line::Door && nearness(at, *ends) <= within
-            };
-            if scene.document.plan.lines.iter().any(door) {
+            if door_near(scene.document, at, within) {
                 return Some(PlanEvent::Door(at, within));
             }
         }
@@ -269,7 +312,18 @@ impl PlanView {
                 colours[seen.0 as usize] = SEEN;
             }
         }
-        if scene.source.is_none() && !scene.heat {
+        if let (Some(rival), Some(source), false) =
+            (scene.rival, scene.source.or(scene.cell), scene.heat)
+        {
+            for cell in document.graph.cell_ids() {
+                let sets = [&document.pvs, &rival.pvs];
+                match sets.map(|pvs| pvs.sees(source, cell)) {
+                    [true, false] => colours[cell.0 as usize] = MISSED,
+                    [false, true] => colours[cell.0 as usize] = EXTRA,
+                    _ => {}
+                }
+            }
+        } else if scene.source.is_none() && !scene.heat {
             for cell in scene.cells {
                 colours[cell.0 as usize] = CONE;
             }
@@ -284,17 +338,23 @@ impl PlanView {
         }
         set(scene.source, SOURCE);
         set(scene.second, SECOND);
+        let mut mesh = Mesh::default();
         for (corners, colour) in document.plan.cells.iter().zip(colours) {
-            let outline: Vec<Pos2> = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
-            let bounds = Rect::from_points(&outline);
-            if rect.intersects(bounds) {
-                // A thin line of the same colour hides the seams between neighbours.
-                painter.add(Shape::convex_polygon(
-                    outline,
-                    colour,
-                    Stroke::new(0.6, colour),
-                ));
-            }
+            self.fill(&mut mesh, rect, corners, colour);
+        }
+        painter.add(mesh);
+    }
+
+    /// Adds a convex piece. Pieces of one mesh have no seams between them, and slivers no spikes.
+    fn fill(&self, mesh: &mut Mesh, rect: Rect, corners: &[DVec2], colour: Color32) {
+        let places = corners.iter().map(|p| self.to_screen(rect, *p));
+        let first = mesh.vertices.len() as u32;
+        for place in places {
+            mesh.colored_vertex(place, colour);
+        }
+        let n = mesh.vertices.len() as u32 - first;
+        for k in 2..n {
+            mesh.add_triangle(first, first + k - 1, first + k);
         }
     }
 
@@ -310,6 +370,69 @@ impl PlanView {
         let outline = corners.iter().map(|p| self.to_screen(rect, *p)).collect();
         painter.add(Shape::closed_line(outline, Stroke::new(1.5, colour)));
     }
+}
+
+/// What the right button offers.
+fn menu(
+    response: &egui::Response,
+    scene: &PlanScene,
+    (at, cell): (Option<DVec2>, Option<CellId>),
+    within: f64,
+) -> Option<PlanEvent> {
+    let place = egui::Id::unique("plan menu");
+    // Where it was opened: the pointer is in the menu later.
+    if response.secondary_clicked() {
+        response
+            .ctx
+            .data_mut(|data| data.insert_temp(place, (at, cell)));
+    }
+    let mut event = None;
+    response.context_menu(|ui| {
+        let opened: Option<(Option<DVec2>, Option<CellId>)> = ui.data(|data| data.get_temp(place));
+        let (Some(at), Some(cell)) = opened.unwrap_or_default() else {
+            ui.label("outside of the level");
+            return;
+        };
+        let mut offer = |ui: &mut Ui, text: &str, what: PlanEvent| {
+            if ui.button(text).clicked() {
+                event = Some(what);
+            }
+        };
+        offer(ui, "Go here", PlanEvent::Jump(at));
+        offer(ui, "Show what this cell sees", PlanEvent::Source(cell));
+        if scene.source.is_some_and(|s| s != cell) {
+            offer(
+                ui,
+                "Why does the chosen cell see this one?",
+                PlanEvent::Second(cell),
+            );
+        }
+        if scene.cell.is_some_and(|c| c != cell) {
+            offer(
+                ui,
+                "Why does the eye's cell see this one?",
+                PlanEvent::Why(cell),
+            );
+        }
+        ui.separator();
+        if door_near(scene.document, at, within) {
+            offer(ui, "Open or close this door", PlanEvent::Door(at, within));
+        }
+        let text = if scene.editing {
+            "End changing the level"
+        } else {
+            "Change the level"
+        };
+        offer(ui, text, PlanEvent::Edit);
+    });
+    event
+}
+
+/// Whether a door is so near to a place.
+fn door_near(document: &Document, at: DVec2, within: f64) -> bool {
+    let near =
+        |(line, ends): &(Line, [DVec2; 2])| *line == Line::Door && nearness(at, *ends) <= within;
+    document.plan.lines.iter().any(near)
 }
 
 /// Distance of a place from a line.

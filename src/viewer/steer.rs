@@ -1,10 +1,14 @@
 //! Keys and mouse: where the eye goes, and what is switched on and off.
 
 use eframe::egui;
-use egui::{Key, Ui};
+use egui::{Event, Key, Modifiers, Ui};
+use glam::DVec2;
 
 use super::app::{App, View};
 use super::walker::{Input, Mode};
+
+/// Radians that the view turns for each step of the mouse.
+const MOUSE: f64 = 0.0025;
 
 impl App {
     /// Moves the eye as the keys say.
@@ -15,6 +19,19 @@ impl App {
         let Some(document) = self.document.clone() else {
             return;
         };
+        if self.captured {
+            let moved = ui.input(|i| {
+                let moves = i.events.iter().filter_map(|event| match event {
+                    Event::MouseMoved(by) => Some(DVec2::new(f64::from(by.x), f64::from(by.y))),
+                    _ => None,
+                });
+                moves.sum::<DVec2>()
+            });
+            self.look -= moved * MOUSE;
+            if !ui.input(|i| i.focused) {
+                self.capture(false);
+            }
+        }
         let down = |keys: &[Key]| ui.input(|i| keys.iter().any(|k| i.key_down(*k)));
         let axis = |plus: &[Key], minus: &[Key]| f64::from(down(plus)) - f64::from(down(minus));
         let input = Input {
@@ -39,7 +56,34 @@ impl App {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
         }
-        let pressed = |key| ui.input(|i| i.key_pressed(key) && !i.modifiers.any());
+        // As it was when the key went down: by the end of a slow frame all keys may be up again.
+        // A key that is held down does it once.
+        ui.input_mut(|i| {
+            i.events
+                .retain(|event| !matches!(event, Event::Key { repeat: true, .. }));
+        });
+        let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        let command = |key, shift| {
+            let modifiers = if shift {
+                Modifiers::COMMAND | Modifiers::SHIFT
+            } else {
+                Modifiers::COMMAND
+            };
+            ui.input_mut(|i| i.consume_key(modifiers, key))
+        };
+        if command(Key::Q, false) {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        if command(Key::O, false) {
+            self.typed = Some(String::new());
+        }
+        // With Shift first: without it is asked whatever Shift does.
+        if command(Key::Z, true) || command(Key::Y, false) {
+            self.undo(true);
+        }
+        if command(Key::Z, false) {
+            self.undo(false);
+        }
         for (key, view) in [
             (Key::Num1, View::Painted),
             (Key::Num2, View::Traced),
@@ -51,15 +95,6 @@ impl App {
         }
         if pressed(Key::B) {
             self.edit();
-        }
-        let command = |key, shift| {
-            ui.input(|i| i.modifiers.command && i.modifiers.shift == shift && i.key_pressed(key))
-        };
-        if command(Key::Z, false) {
-            self.undo(false);
-        }
-        if command(Key::Z, true) || command(Key::Y, false) {
-            self.undo(true);
         }
         if pressed(Key::M) {
             self.settings.plan = !self.settings.plan;
@@ -76,6 +111,15 @@ impl App {
         if pressed(Key::H) {
             self.settings.heat = !self.settings.heat;
         }
+        if pressed(Key::L) {
+            self.settings.sightlines = !self.settings.sightlines;
+        }
+        if pressed(Key::O) {
+            self.settings.outlines = !self.settings.outlines;
+        }
+        if pressed(Key::R) {
+            self.record();
+        }
         if pressed(Key::T) {
             self.settings.textured = !self.settings.textured;
         }
@@ -88,9 +132,12 @@ impl App {
         if pressed(Key::F5) {
             self.reload();
         }
-        if pressed(Key::Escape) {
+        let escape = pressed(Key::Escape);
+        if escape && self.captured {
+            self.capture(false);
+        } else if escape {
             (self.source, self.second, self.explained) = (None, None, None);
-            (self.mark, self.error) = (None, None);
+            (self.mark, self.error, self.note) = (None, None, None);
             self.settings.help = false;
         }
     }

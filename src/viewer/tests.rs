@@ -13,10 +13,12 @@ use glam::DVec2;
 use super::app::{App, Tab, View};
 use super::document::{Loaded, Loader, Voice};
 use super::engine::Picture;
+use super::methods::Contender;
 use super::walker::Mode;
 use crate::cells::CellId;
 use crate::level::read;
 use crate::preview::Culling;
+use crate::pvs::Method;
 use crate::trace::world::Files;
 
 /// Words are tested where they are made.
@@ -120,7 +122,7 @@ fn keys_move_the_eye_and_what_it_sees_follows() {
         std::thread::sleep(Duration::from_millis(4));
     }
     harness.key_up(Key::W);
-    harness.step();
+    until(&mut harness, "rest", |app| !app.eye.moves());
     let after = harness.state().eye;
     assert!(after.yaw > before.yaw);
     assert!(after.eye.distance(before.eye) > 0.1, "{before:?} {after:?}");
@@ -174,7 +176,7 @@ fn clicks_on_the_plan_choose_cells_and_ask_why() {
         assert_eq!(explained.sees, sees);
         assert_eq!(explained.line.is_some(), sees);
         assert_eq!(explained.way.is_empty(), sees);
-        assert_eq!(harness.state().tab, Tab::Why);
+        assert_eq!(harness.state().settings.tab, Tab::Why);
     }
     harness.key_press(Key::Escape);
     harness.run_steps(3);
@@ -252,7 +254,7 @@ fn panels_tell_what_is_drawn_and_why() {
     harness.get_by_label("mirror");
     harness.get_by_label("Findings").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().tab, Tab::Findings);
+    assert_eq!(harness.state().settings.tab, Tab::Findings);
     harness.key_press(Key::F1);
     harness.run_steps(3);
     harness.get_by_label("freeze what is drawn, and fly out to look at it");
@@ -277,7 +279,6 @@ fn a_traced_picture_grows_finer_while_the_eye_rests() {
     let shadows = crate::trace::effects::Effect::Shadows;
     let app = harness.state_mut();
     app.settings.without = app.settings.without.with(shadows);
-    app.trace_again();
     harness.run_steps(3);
     until(&mut harness, "a picture without shadows", |app| {
         app.traced
@@ -370,6 +371,238 @@ fn corners_are_dragged_doors_toggled_and_all_of_it_undone_and_saved() {
     let text = std::fs::read(saved).expect("it is there");
     let level = read::read(text, "saved.toml", None).expect("it reads");
     assert_eq!(level.sectors.len(), 3);
+}
+
+#[test]
+fn a_walk_is_recorded_saved_and_played() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("level.toml");
+    std::fs::copy(sample("tiny.toml"), &file).expect("a copy");
+    let mut harness = window(file.clone());
+    harness.key_press(Key::R);
+    harness.run_steps(2);
+    assert!(harness.state().recording.is_some());
+    // Ahead, or, where there is a wall, back.
+    for key in [Key::W, Key::S] {
+        harness.key_down(key);
+        for _ in 0..60 {
+            harness.step();
+            std::thread::sleep(Duration::from_millis(4));
+        }
+        harness.key_up(key);
+        harness.step();
+    }
+    harness.key_press(Key::R);
+    harness.run_steps(3);
+    harness.get_by_label("Save the walk");
+    let walks = harness.state().walks.len();
+    assert_eq!(walks, 1);
+    // Into the level's own file, which is read again.
+    harness.get_by_label("Save").click();
+    harness.run_steps(3);
+    until(&mut harness, "the level with its walk", |app| {
+        let document = app.document.as_ref().expect("a level");
+        document
+            .level
+            .scene
+            .paths
+            .iter()
+            .any(|p| p.name == "walk 1")
+    });
+    assert_eq!(harness.state().error, None);
+    let text = std::fs::read(&file).expect("it is there");
+    let level = read::read(text, "level.toml", None).expect("it reads");
+    assert!(
+        level
+            .scene
+            .paths
+            .iter()
+            .any(|p| p.name == "walk 1" && p.points.len() > 1)
+    );
+    harness.state_mut().play(Some("walk 1"));
+    harness.run_steps(3);
+    assert!(
+        harness
+            .state()
+            .play
+            .as_ref()
+            .is_some_and(|p| p.track.seconds() > 0.0)
+    );
+    // One who does not move has nothing to keep.
+    harness.state_mut().play = None;
+    harness.key_press(Key::R);
+    harness.run_steps(2);
+    harness.key_press(Key::R);
+    harness.run_steps(2);
+    assert!(harness.state().error.is_some() && harness.state().keeping.is_none());
+}
+
+#[test]
+fn other_methods_are_measured_and_compared() {
+    let mut harness = window(sample("house.toml"));
+    harness.get_by_label("Accuracy").click();
+    harness.run_steps(3);
+    let document = harness.state().document.clone().expect("a level");
+    for contender in Contender::ALL {
+        let app = harness.state_mut();
+        app.methods.measure(&document, contender, || {});
+        until(&mut harness, contender.name(), |app| {
+            app.methods.of(contender).is_some()
+        });
+        let rival = harness
+            .state()
+            .methods
+            .of(contender)
+            .expect("it was measured");
+        let (exact, own) = (document.pvs.pairs(), rival.pvs.pairs());
+        assert_eq!(
+            own,
+            exact + rival.extra - rival.missed,
+            "{}",
+            contender.name()
+        );
+        match contender {
+            Contender::Method(Method::Sweep | Method::Search) => {
+                assert_eq!((rival.extra, rival.missed), (0, 0));
+            }
+            Contender::Method(Method::Flood) => assert!(rival.extra > 0 && rival.missed == 0),
+            Contender::Heights => assert_eq!(rival.extra, 0),
+            _ => {}
+        }
+    }
+    harness.run_steps(3);
+    // Each line of the table has its box now.
+    let boxes = harness.get_all_by_label("show").count();
+    assert_eq!(boxes, Contender::ALL.len());
+    harness.state_mut().methods.shown = Some(Contender::Method(Method::Flood));
+    harness.run_steps(3);
+    harness.get_by_label("sees too much");
+}
+
+#[test]
+fn sightlines_lead_to_every_cell_that_is_seen() {
+    let mut harness = window(sample("museum.toml"));
+    harness.key_press(Key::L);
+    until(&mut harness, "all sightlines", |app| {
+        app.sightlines.as_ref().is_some_and(|s| s.complete)
+    });
+    let app = harness.state();
+    let document = app.document.clone().expect("a level");
+    let lines = app.sightlines.as_ref().expect("sightlines");
+    let cell = lines.cell;
+    assert_eq!(Some(cell), app.subject());
+    assert_eq!(lines.lines.len() as u32 + 1, document.sees[cell.0 as usize]);
+    let longest = lines.longest().expect("one").1;
+    for [from, to] in &lines.lines {
+        assert_eq!(document.cell_at(*from), Some(cell));
+        let other = document.cell_at(*to).expect("inside");
+        assert!(document.pvs.sees(cell, other));
+        assert!(from.distance(*to) <= longest);
+    }
+}
+
+#[test]
+fn a_click_gives_the_mouse_to_the_view() {
+    let mut harness = window(sample("museum.toml"));
+    let view = harness.get_by_label("View into the level").rect().center();
+    click(&mut harness, view, Modifiers::NONE);
+    assert!(harness.state().captured);
+    let before = harness.state().eye;
+    harness.event(Event::MouseMoved(vec2(-100.0, 40.0)));
+    harness.run_steps(2);
+    let after = harness.state().eye;
+    // To the left, and down.
+    assert!(after.yaw > before.yaw && after.pitch < before.pitch);
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(!harness.state().captured);
+    harness.event(Event::MouseMoved(vec2(-100.0, 40.0)));
+    harness.run_steps(2);
+    assert_eq!(harness.state().eye.yaw, after.yaw);
+}
+
+#[test]
+fn the_right_button_offers_what_can_be_done_there() {
+    let mut harness = window(sample("museum.toml"));
+    let document = harness.state().document.clone().expect("a level");
+    let own = harness.state().subject().expect("inside");
+    let (far, _) = document.farthest(own).expect("it sees something");
+    let at = on_screen(&harness, inside(&harness, far.0));
+    let right = |harness: &mut Harness<'static, App>| {
+        harness.event(Event::PointerMoved(at));
+        harness.step();
+        for pressed in [true, false] {
+            harness.event(Event::PointerButton {
+                pos: at,
+                button: PointerButton::Secondary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            harness.step();
+        }
+        harness.run_steps(3);
+    };
+    right(&mut harness);
+    harness
+        .get_by_label("Why does the eye's cell see this one?")
+        .click();
+    harness.run_steps(3);
+    until(&mut harness, "an explanation", |app| {
+        app.explanation().is_some()
+    });
+    let explained = harness.state().explanation().expect("one");
+    assert_eq!(explained.cells, [own, far]);
+    let rise = explained.rise.expect("a line in space");
+    assert_eq!(document.cell_at(rise[1].truncate()), Some(far));
+    assert!(!harness.state().ink(&document).is_empty());
+    right(&mut harness);
+    harness.get_by_label("Go here").click();
+    harness.run_steps(3);
+    let eye = harness.state().eye.eye.truncate();
+    assert_eq!(document.cell_at(eye), Some(far));
+}
+
+#[test]
+fn the_most_expensive_cells_are_a_click_away() {
+    let mut harness = window(sample("museum.toml"));
+    let document = harness.state().document.clone().expect("a level");
+    let first = document.dearest[0];
+    let most = document.sees.iter().max().copied();
+    assert_eq!(Some(document.sees[first.0 as usize]), most);
+    harness.get_by_label(&format!("cell {}", first.0)).click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().source, Some(first));
+    harness.get_by_label("Why").click();
+    harness.run_steps(3);
+    let (far, _) = document.farthest(first).expect("it sees something");
+    let text = format!("why cell {} sees cell {}", first.0, far.0);
+    harness.get_by_label(&text).click();
+    until(&mut harness, "an explanation", |app| {
+        app.explanation().is_some()
+    });
+}
+
+#[test]
+fn each_turn_of_a_knob_leaves_its_cost() {
+    let mut harness = window(sample("tiny.toml"));
+    harness.key_press(Key::Num2);
+    harness.get_by_label("Accuracy").click();
+    for samples in [1, 2] {
+        harness.state_mut().settings.samples = samples;
+        harness.step();
+        until(&mut harness, "the whole picture", |app| {
+            app.traced
+                .as_ref()
+                .is_some_and(|(_, t)| t.done && t.samples == samples)
+        });
+    }
+    harness.run_steps(2);
+    let app = harness.state();
+    let tried = app.costs.along(&app.knobs(), |k, o| k.samples = o.samples);
+    let samples: Vec<u32> = tried.iter().map(|(k, _)| k.samples).collect();
+    assert_eq!(samples, [1, 2]);
+    assert!(tried.iter().all(|(_, ms)| *ms > 0.0));
+    harness.get_by_label_contains("2: ");
 }
 
 #[test]

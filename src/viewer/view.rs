@@ -6,12 +6,19 @@ use egui::{Color32, ColorImage, Sense, TextureHandle, TextureOptions, Ui};
 use glam::DVec2;
 
 use super::app::{App, HISTORY, PIXELS, Sample, View};
+use super::costs::Knobs;
 use super::engine::{Look, Picture, Seen};
 use super::plan::{PlanEvent, PlanScene};
 use super::tracing::{Request, Tracing};
 use crate::trace::picture::Exposure;
-use crate::trace::render::RenderOptions;
+use crate::trace::render::{Adaptive, RenderOptions};
 use crate::trace::shade::Limits;
+
+/// Difference between neighbours, from 0 (black) to 1 (white), from which on more samples are taken.
+const CONTRAST: f64 = 0.05;
+
+/// How bright Doom maps are shown, in stops: their sectors' light is meant for dark rooms.
+const DOOM: f64 = 1.5;
 
 impl App {
     /// Shows what an eye has seen.
@@ -73,7 +80,7 @@ impl App {
 
     /// The 3D view, in all the room there is.
     pub(super) fn view(&mut self, ui: &mut Ui) {
-        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::drag());
+        let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::Role::Image, true, "View into the level")
         });
@@ -82,7 +89,10 @@ impl App {
         let pixels = rect.size() * scale;
         let shrink = (PIXELS / pixels.max_elem()).min(1.0);
         self.size = [pixels.x, pixels.y].map(|n| ((n * shrink) as u32).max(1));
-        if response.dragged() {
+        if response.clicked() {
+            self.capture(!self.captured);
+        }
+        if response.dragged() && !self.captured {
             // What is under the pointer stays there, about.
             let turn = self.settings.fov.to_radians() / f64::from(rect.width().max(1.0));
             let d = response.drag_delta();
@@ -130,11 +140,54 @@ impl App {
             let line = egui::Stroke::new(2.0, Color32::WHITE);
             painter.vline(middle, rect.y_range(), line);
         }
+        self.overlay(&painter, rect);
         if self.frozen.is_some() {
             let font = egui::FontId::proportional(14.0);
             let at = rect.center_top() + egui::vec2(0.0, 10.0);
             let text = "frozen: what is drawn was chosen where you pressed P";
             painter.text(at, egui::Align2::CENTER_TOP, text, font, Color32::YELLOW);
+        }
+        let hint = if self.captured {
+            "the mouse looks around; Esc or a click frees it"
+        } else if response.hovered() && self.document.is_some() {
+            "drag to look around, or click to let the mouse do so; W A S D to walk"
+        } else {
+            return;
+        };
+        let font = egui::FontId::proportional(12.0);
+        let at = rect.center_bottom() - egui::vec2(0.0, 8.0);
+        let faint = Color32::from_white_alpha(150);
+        painter.text(at, egui::Align2::CENTER_BOTTOM, hint, font, faint);
+    }
+
+    /// Gives the mouse to the view, or frees it.
+    pub fn capture(&mut self, captured: bool) {
+        use egui::viewport::{CursorGrab, ViewportCommand};
+        if captured == self.captured {
+            return;
+        }
+        self.captured = captured;
+        let send = |command| self.context.send_viewport_cmd(command);
+        if captured {
+            // Where a pointer cannot be held in its place (X11), it is kept within the window.
+            send(ViewportCommand::CursorGrab(CursorGrab::Confined));
+            send(ViewportCommand::CursorGrab(CursorGrab::Locked));
+        } else {
+            send(ViewportCommand::CursorGrab(CursorGrab::None));
+        }
+        send(ViewportCommand::CursorVisible(!captured));
+    }
+
+    /// What a traced picture is asked for.
+    pub fn knobs(&self) -> Knobs {
+        let s = &self.settings;
+        Knobs {
+            samples: s.samples,
+            adaptive: s.adaptive,
+            depth: s.depth,
+            threshold: s.threshold,
+            rays: s.rays,
+            without: s.without,
         }
     }
 
@@ -169,7 +222,14 @@ impl App {
         let Some(survey) = seen.survey.as_ref().filter(|_| seen.look.camera == camera) else {
             return;
         };
-        if self.requested == Some(camera) {
+        let knobs = self.knobs();
+        let exposure = match self.settings.stops {
+            Some(stops) => Exposure::Stops(stops),
+            None if document.world.wardrobe.is_some() => Exposure::Stops(DOOM),
+            None => Exposure::Auto,
+        };
+        let request = (camera, knobs, exposure);
+        if self.requested == Some(request) {
             return;
         }
         if self.tracing.is_none() {
@@ -179,24 +239,23 @@ impl App {
             self.tracing = Tracing::start(threads.saturating_sub(1).max(1), wake).ok();
         }
         let Some(tracing) = &self.tracing else { return };
-        let settings = &self.settings;
         let usual = RenderOptions::default();
-        let effects = survey.needed.iter().filter(|e| !settings.without.has(*e));
+        let effects = survey.needed.iter().filter(|e| !knobs.without.has(*e));
         let options = RenderOptions {
-            samples: settings.samples,
+            samples: knobs.samples,
+            adaptive: knobs.adaptive.then_some(Adaptive {
+                samples: knobs.samples * 4,
+                contrast: CONTRAST,
+                exposure,
+            }),
             effects: effects.collect(),
             limits: Limits {
-                depth: settings.depth,
-                light_samples: settings.rays,
-                scatter_samples: settings.rays,
-                ..usual.limits
+                depth: knobs.depth,
+                threshold: knobs.threshold,
+                light_samples: knobs.rays,
+                scatter_samples: knobs.rays,
             },
             ..usual
-        };
-        let exposure = if document.world.wardrobe.is_some() {
-            Exposure::Stops(1.5)
-        } else {
-            Exposure::Auto
         };
         tracing.request(Request {
             stage: document.clone(),
@@ -204,12 +263,7 @@ impl App {
             options,
             exposure,
         });
-        self.requested = Some(camera);
-    }
-
-    /// Traces once more, as something else than the place has changed.
-    pub fn trace_again(&mut self) {
-        self.requested = None;
+        self.requested = Some(request);
     }
 
     /// The plan, in all the room there is.
@@ -220,10 +274,10 @@ impl App {
             return;
         };
         let seen = self.seen.as_ref();
-        let explained = self
-            .explained
-            .as_ref()
-            .filter(|e| Some(e.cells[0]) == self.source && Some(e.cells[1]) == self.second);
+        let explained = self.explanation();
+        let subject = self.subject();
+        let fan = self.sightlines.as_ref();
+        let fan = fan.filter(|s| subject.is_some_and(|cell| s.are_of(&document, cell)));
         let half = (self.settings.fov / 2.0).to_radians();
         let scene = PlanScene {
             document: &document,
@@ -242,9 +296,15 @@ impl App {
             path: self.play.as_ref().map_or(&[], |p| &p.line),
             heat: self.settings.heat,
             mark: self.mark,
+            sightlines: fan,
+            rival: self.methods.compared(),
+            recorded: self.recording.as_ref().map_or(&[], |r| &r.points),
             editing: self.editing.is_some(),
         };
-        match self.plan.show(ui, &scene) {
+        let mut plan = self.plan;
+        let event = plan.show(ui, &scene);
+        self.plan = plan;
+        match event {
             Some(PlanEvent::Grab(at, within)) => {
                 let held = self.grab(at, within);
                 self.plan.held = held;
@@ -252,6 +312,9 @@ impl App {
             Some(PlanEvent::Drag(to)) => self.drag(to),
             Some(PlanEvent::Drop) => self.drop_corner(),
             Some(PlanEvent::Door(at, within)) => {
+                if self.editing.is_none() {
+                    self.edit();
+                }
                 self.toggle_door(at, within);
             }
             Some(PlanEvent::Jump(at)) => {
@@ -266,6 +329,12 @@ impl App {
                 self.second = Some(cell);
                 self.ask_why();
             }
+            Some(PlanEvent::Why(cell)) => {
+                if let Some(own) = self.seen.as_ref().and_then(|s| s.cell) {
+                    self.ask_why_of(own, cell);
+                }
+            }
+            Some(PlanEvent::Edit) => self.edit(),
             Some(PlanEvent::Clear) => {
                 (self.source, self.second, self.explained) = (None, None, None);
             }

@@ -760,3 +760,58 @@ fn explain_refuses_places_that_are_none() {
         &["standard output"],
     );
 }
+
+/// With the feature the viewer's own tests open windows.
+#[cfg(not(feature = "viewer"))]
+#[test]
+fn view_says_in_one_line_how_to_get_the_viewer() {
+    let output = enfilade(&["view", &level("tiny.toml")]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    assert!(said.contains("--features viewer"), "{said}");
+}
+
+/// A walk from a file of its own.
+#[test]
+fn a_walk_may_stand_in_a_file_of_its_own() {
+    let text = "[[path]]\nname = \"in\"\npoints = [[1, 1, 1.6], [3, 1, 1.6]]\nspeed = 1\n";
+    let (folder, walks) = file("tiny.walks.toml", text.as_bytes());
+    let out = folder.path().join("frames").display().to_string();
+    let tiny = level("tiny.toml");
+    let run = |path: &str, walks: &str| {
+        enfilade(&[
+            "walk",
+            &tiny,
+            "--walks",
+            walks,
+            "--path",
+            path,
+            "--size",
+            "16x10",
+            "--fps",
+            "1",
+            "--renderer",
+            "preview",
+            "-o",
+            &out,
+        ])
+    };
+    let good = run("in", &walks);
+    assert!(
+        good.status.success(),
+        "{}",
+        String::from_utf8_lossy(&good.stderr)
+    );
+    assert!(folder.path().join("frames/frame-00000.png").exists());
+    for (path, walks, said) in [
+        ("out", &walks[..], "`out`"),
+        ("in", &tiny[..], "no file of walks"),
+        ("in", "nowhere.toml", "nowhere.toml"),
+    ] {
+        let bad = run(path, walks);
+        assert_eq!(bad.status.code(), Some(2));
+        let text = String::from_utf8_lossy(&bad.stderr).into_owned();
+        assert!(text.contains(said), "{text}");
+    }
+}

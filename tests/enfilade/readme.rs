@@ -47,7 +47,7 @@ fn there_are_two_set_up_commands_and_the_files_they_name_exist() {
         commands,
         [
             "cargo run --release -- build levels/museum.toml",
-            "cargo test --release"
+            "cargo test --release --features viewer-tests"
         ]
     );
     assert!(

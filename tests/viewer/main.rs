@@ -99,16 +99,19 @@ fn keys_walk_through_the_museum() {
     }
     let (display, _server) = screen();
     let level = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/museum.toml");
+    let memory = tempfile::tempdir().expect("a folder");
     let mut viewer = Command::new(env!("CARGO_BIN_EXE_enfilade"))
         .args(["view", "--log"])
         .arg(level)
         .env("DISPLAY", &display)
+        // What the user of this machine has chosen is neither used nor changed.
+        .env("XDG_DATA_HOME", memory.path())
         .env_remove("WAYLAND_DISPLAY")
         .stderr(Stdio::piped())
         .spawn()
         .expect("the viewer starts");
     let errors = BufReader::new(viewer.stderr.take().expect("it is piped"));
-    let _viewer = Running(viewer);
+    let mut viewer = Running(viewer);
     let (told, log) = channel();
     std::thread::spawn(move || {
         for line in errors.lines().map_while(Result::ok) {
@@ -169,4 +172,23 @@ fn keys_walk_through_the_museum() {
     let pairs = before.pixels().zip(after.pixels());
     let differ = pairs.filter(|(a, b)| a != b).count();
     assert!(differ > 20_000, "only {differ} pixels have changed");
+    // It ends when asked to, and remembers what was chosen.
+    xdotool(&["key", "h"]);
+    std::thread::sleep(Duration::from_millis(300));
+    xdotool(&["key", "ctrl+q"]);
+    let end = Instant::now() + Duration::from_secs(60);
+    let status = loop {
+        if let Some(status) = viewer.0.try_wait().expect("it can be asked") {
+            break status;
+        }
+        assert!(Instant::now() < end, "it does not end");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert!(status.success(), "{status}");
+    let kept = std::fs::read_to_string(memory.path().join("enfilade/app.ron"));
+    let kept = kept.expect("something is remembered");
+    assert!(
+        kept.contains("heat:true") && kept.contains("museum.toml"),
+        "{kept}"
+    );
 }

@@ -25,6 +25,9 @@ pub struct WalkArgs {
     /// Along this path of the level [default: its only one]
     #[arg(long, value_name = "NAME")]
     pub path: Option<String>,
+    /// File of [[path]] tables, as the viewer saves them, besides those of the level
+    #[arg(long, value_name = "FILE", conflicts_with = "tour")]
+    pub walks: Option<PathBuf>,
     /// Through every room or sector that can be reached on foot
     #[arg(long, conflicts_with = "path")]
     pub tour: bool,

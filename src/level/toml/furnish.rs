@@ -351,7 +351,10 @@ fn fov(source: &SourceText, given: &Option<Spanned<Positive>>) -> Result<f64, To
     }
 }
 
-fn path(source: &SourceText, table: &Spanned<PathTable>) -> Result<CameraPath, TomlError> {
+pub(super) fn path(
+    source: &SourceText,
+    table: &Spanned<PathTable>,
+) -> Result<CameraPath, TomlError> {
     let record = table.get_ref();
     let points = record.points.get_ref();
     if points.len() < 2 {

@@ -96,6 +96,7 @@ mod record;
 mod sides;
 mod source;
 mod standing;
+pub mod walks;
 pub mod write;
 
 pub use error::TomlError;

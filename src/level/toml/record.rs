@@ -161,6 +161,14 @@ pub(super) struct File {
     pub budget: BudgetTable,
 }
 
+/// A file of walks alone.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WalksFile {
+    #[serde(default)]
+    pub path: Tables<PathTable>,
+}
+
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum NumbersKind {

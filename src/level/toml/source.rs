@@ -3,9 +3,10 @@
 
 use std::ops::Range;
 
+use serde::de::DeserializeOwned;
+
 use super::super::finding::Place;
 use super::error::{TomlError, probably_meant};
-use super::record::File;
 
 /// A text with the start of each of its lines.
 pub(super) struct SourceText<'a> {
@@ -35,7 +36,7 @@ impl<'a> SourceText<'a> {
     }
 
     /// The tables of the text.
-    pub(super) fn parse(&self) -> Result<File, TomlError> {
+    pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, TomlError> {
         toml::from_str(self.text).map_err(|e| self.parse_error(&e))
     }
 

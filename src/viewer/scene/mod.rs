@@ -1,7 +1,7 @@
 //! The picture in space, painted by a graphics card in the order of the BSP tree.
 //!
 //! In: a [`Painter`] of a level, uploaded once as a [`Scene`]; for each frame a [`Look`]: the camera, which
-//! cells to draw, lines over the picture. Out: a [`Target`] with the picture, and the same [`Figures`] as the
+//! cells to draw. Out: a [`Target`] with the picture, and the same [`Figures`] as the
 //! software preview. Both paint the same polygons in the same order, [`Painter::order`]; no depth is compared
 //! between them (Fuchs, Kedem, Naylor 1980; lecture, "BSP tree: Painting").
 //!
@@ -10,7 +10,6 @@
 //! | [`corners`] | polygons as triangles, without gaps between them |
 //! | [`texels`] | all pictures in one texture |
 //! | [`things`] | objects as triangles, cut at the borders of cells |
-//! | [`lines`] | lines over the picture |
 //! | [`pipelines`] | how triangles become pixels, and what they are painted on |
 //! | `shader.wgsl` | the software painter's rules for colours |
 //!
@@ -20,7 +19,6 @@
 //! looks out of it. Objects of one cell are told apart by a depth buffer, which nothing else looks at.
 
 pub mod corners;
-pub mod lines;
 pub mod pipelines;
 pub mod texels;
 pub mod things;
@@ -31,7 +29,6 @@ use glam::{DVec2, DVec3};
 use wgpu::util::DeviceExt;
 
 use corners::Skins;
-pub use lines::Line;
 pub use pipelines::{Pipelines, Target};
 use texels::Texels;
 use things::Things;
@@ -63,8 +60,6 @@ pub struct Look<'a> {
     pub smooth: bool,
     /// Whether objects are drawn.
     pub objects: bool,
-    /// Lines over the picture.
-    pub lines: &'a [Line],
 }
 
 /// What a frame came to.
@@ -101,11 +96,9 @@ pub struct Scene {
     corners: wgpu::Buffer,
     things_corners: wgpu::Buffer,
     triangles: Growing,
-    ink: Growing,
     /// Of this frame.
     runs: Vec<Run>,
     list: Vec<u32>,
-    inked: Vec<lines::Inked>,
 }
 
 /// A buffer that is made larger when it is too small.
@@ -179,7 +172,6 @@ impl Scene {
             corners: buffer("corners", bytemuck::cast_slice(&skins.corners), vertex),
             things_corners: buffer("things", bytemuck::cast_slice(&things.corners), vertex),
             triangles: Growing::new(device, wgpu::BufferUsages::INDEX),
-            ink: Growing::new(device, vertex),
             dusk: brushes.coats.dusk(),
             sky: texels.sky,
             skins,
@@ -189,7 +181,6 @@ impl Scene {
             globals,
             runs: Vec::new(),
             list: Vec::new(),
-            inked: Vec::new(),
         }
     }
 
@@ -256,10 +247,6 @@ impl Scene {
         if !look.objects {
             figures.objects = 0;
         }
-        let near = self.dusk * NEAR;
-        lines::ink(look.lines, look.camera, near, &mut self.inked);
-        let ink = bytemuck::cast_slice(&self.inked);
-        self.ink.write(device, queue, ink);
         let list = bytemuck::cast_slice(&self.list);
         self.triangles.write(device, queue, list);
         let globals = self.globals_of(look);
@@ -271,7 +258,7 @@ impl Scene {
         Ok(Frame {
             figures,
             unculled,
-            calls: calls.sum::<u32>() + u32::from(!self.inked.is_empty()),
+            calls: calls.sum(),
         })
     }
 
@@ -329,11 +316,6 @@ impl Scene {
                     }
                 }
             }
-        }
-        if !self.inked.is_empty() {
-            pass.set_pipeline(&pipelines.lines);
-            pass.set_vertex_buffer(0, self.ink.buffer.slice(..));
-            pass.draw(0..self.inked.len() as u32, 0..1);
         }
     }
 }

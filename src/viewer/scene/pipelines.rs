@@ -8,7 +8,6 @@
 use std::mem::offset_of;
 
 use super::corners::Corner;
-use super::lines::Inked;
 
 /// Colours are bytes as the screen has them, and are mixed as such; egui shows textures of this kind.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -28,8 +27,6 @@ pub struct Pipelines {
     pub(super) things: wgpu::RenderPipeline,
     /// Objects of glass.
     pub(super) clear: [wgpu::RenderPipeline; 2],
-    /// Lines over the picture.
-    pub(super) lines: wgpu::RenderPipeline,
 }
 
 /// How a pipeline paints.
@@ -75,10 +72,7 @@ impl Pipelines {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let make = |manner: &Manner| {
-            let lines = manner.fragment == "ink";
-            pipeline(device, (&shader, &own), (manner, lines), samples)
-        };
+        let make = |manner: &Manner| pipeline(device, (&shader, &own), manner, samples);
         let covers = |depth| Manner {
             fragment: "solid",
             blend: None,
@@ -91,18 +85,12 @@ impl Pipelines {
                 depth: (compare, false),
             })
         };
-        let ink = Manner {
-            fragment: "ink",
-            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-            depth: (false, false),
-        };
         Self {
             samples,
             solid: make(&covers((false, false))),
             glass: glass(false).map(|m| make(&m)),
             things: make(&covers((true, true))),
             clear: glass(true).map(|m| make(&m)),
-            lines: make(&ink),
             layout,
         }
     }
@@ -134,7 +122,7 @@ const ADD: wgpu::BlendState = wgpu::BlendState {
 fn pipeline(
     device: &wgpu::Device,
     (module, layout): (&wgpu::ShaderModule, &wgpu::PipelineLayout),
-    (manner, lines): (&Manner, bool),
+    manner: &Manner,
     samples: u32,
 ) -> wgpu::RenderPipeline {
     use wgpu::VertexFormat as Form;
@@ -150,27 +138,18 @@ fn pipeline(
         attribute(Form::Uint32x4, offset_of!(Corner, paint), 3),
         attribute(Form::Float32, offset_of!(Corner, light), 4),
     ];
-    let inked = [
-        attribute(Form::Float32x2, offset_of!(Inked, at), 0),
-        attribute(Form::Unorm8x4, offset_of!(Inked, colour), 1),
-    ];
-    let (stride, attributes) = if lines {
-        (size_of::<Inked>(), &inked[..])
-    } else {
-        (size_of::<Corner>(), &corner[..])
-    };
     let (compare, keep) = manner.depth;
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(manner.fragment),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
-            entry_point: Some(if lines { "stroke" } else { "corner" }),
+            entry_point: Some("corner"),
             compilation_options: Default::default(),
             buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: stride as u64,
+                array_stride: size_of::<Corner>() as u64,
                 step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
+                attributes: &corner,
             })],
         },
         primitive: wgpu::PrimitiveState {

@@ -220,22 +220,3 @@ fn add(in: Spot) -> @location(0) vec4<f32> {
     }
     return bytes(unpack(in.paint.z).rgb);
 }
-
-struct Stroke {
-    @builtin(position) at: vec4<f32>,
-    @location(0) colour: vec4<f32>,
-}
-
-// Lines over the picture.
-@vertex
-fn stroke(@location(0) at: vec2<f32>, @location(1) colour: vec4<f32>) -> Stroke {
-    var out: Stroke;
-    out.at = vec4(at, 0.5, 1.0);
-    out.colour = colour;
-    return out;
-}
-
-@fragment
-fn ink(in: Stroke) -> @location(0) vec4<f32> {
-    return in.colour;
-}

@@ -87,7 +87,6 @@ fn look(camera: &Camera) -> Look<'_> {
         chosen_for: None,
         smooth: false,
         objects: true,
-        lines: &[],
     }
 }
 
@@ -211,6 +210,7 @@ fn culling_and_samples_change_nothing_but_edges() {
         Stage::new(&gpu, &sample, 1, SIZE),
         Stage::new(&gpu, &sample, 4, SIZE),
     );
+    let mut smoothed = 0;
     for camera in &cameras(&sample, 4) {
         let eye = look(camera);
         let (frame, bytes) = one.draw(&eye);
@@ -229,8 +229,11 @@ fn culling_and_samples_change_nothing_but_edges() {
         let (_, smooth) = four.draw(&eye);
         let edges = differing(&bytes, &smooth, 8);
         println!("{edges} of {n} pixels lie on edges");
-        assert!(edges > 0 && edges * 5 < n);
+        assert!(edges * 5 < n);
+        smoothed += usize::from(edges > 0);
     }
+    // Whoever stands before a bare wall sees no edge.
+    assert!(smoothed >= 4, "{smoothed}");
 }
 
 #[test]
@@ -259,21 +262,16 @@ fn what_is_frozen_can_be_looked_at_from_elsewhere() {
     let (own, _) = stage.draw(&look(&inside));
     let above = inside.eye + DVec3::new(-30.0, -30.0, 60.0);
     let camera = Camera::new(above, inside.eye - above, 75.0, SIZE);
-    let lines = [Line {
-        points: vec![inside.eye, inside.eye + inside.direction() * 20.0],
-        colour: [255, 80, 0, 255],
-        width: 3.0,
-    }];
     let frozen = Look {
         chosen_for: Some(&inside),
-        lines: &lines,
         ..look(&camera)
     };
     let (frame, bytes) = stage.draw(&frozen);
     keep("frozen", SIZE, &bytes);
     assert_eq!(frame.figures.cells, own.figures.cells);
-    let orange = bytes.chunks_exact(4).filter(|p| p[..3] == [255, 80, 0]);
-    assert!(orange.count() > 50);
+    let background = BACKGROUND.map(|c| (c * 255.0f64).round() as u8);
+    let drawn = bytes.chunks_exact(4).filter(|p| p[..3] != background);
+    assert!(drawn.count() > 1000);
     // Of an eye that is in no cell all cells are drawn, and it is said why.
     let (frame, bytes) = stage.draw(&look(&camera));
     keep("above", SIZE, &bytes);

@@ -3,7 +3,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
-use crate::cells::Doors;
+use crate::cells::{Doors, Options, subdivide};
 use crate::viewer::sample::Sample;
 use crate::walk::opened;
 
@@ -79,8 +79,8 @@ fn wander(name: &str, course: &Course, start: DVec3, seed: u64) -> usize {
                 turn: random.random_range(-0.4..0.4),
                 ..Input::default()
             };
-            // Off whatever he runs against.
-            if !walker.moves() {
+            // Off whatever he runs against, or along.
+            if !walker.moves() || random.random::<f64>() < 0.3 {
                 input.look.x = random.random_range(-3.0..3.0);
             }
         } else {
@@ -133,6 +133,7 @@ fn nobody_leaves_a_doom_map() {
     // With its doors open, or he stays in the first room.
     let person = Person::of_unit(&sample.level.unit);
     sample.level = opened(&sample.level, &person);
+    sample.graph = subdivide(&sample.level, &Options::default());
     sample.world.space = Space::new(&sample.level, &sample.graph);
     let course = Course::new(sample);
     let camera = &course.sample.level.scene.cameras[0];

@@ -202,7 +202,7 @@ fn camera(text: &mut Text, c: &Camera) {
     text.unusual("fov", c.fov, USUAL_FOV);
 }
 
-fn path(text: &mut Text, p: &CameraPath) {
+pub(super) fn path(text: &mut Text, p: &CameraPath) {
     text.head("[[path]]");
     text.string("name", Some(&p.name));
     let written = |at: &glam::DVec3| match p.eye {

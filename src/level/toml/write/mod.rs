@@ -20,6 +20,7 @@ mod text;
 
 use self::text::Text;
 use super::super::model::{Height, Interior, Level, OpeningStyle, Sector, Wall, WallKind};
+use super::super::scene::CameraPath;
 use super::error::TomlError;
 
 /// A level as a text.
@@ -49,6 +50,13 @@ pub enum WriteError {
         /// What would.
         what: &'static str,
     },
+}
+
+/// Writes a walk: a `[[path]]` table, which may be put at the end of any level file.
+pub fn path(path: &CameraPath) -> String {
+    let mut text = Text::default();
+    furnish::path(&mut text, path);
+    text.text
 }
 
 /// Writes a level in the own format.
