@@ -13,7 +13,8 @@ use crate::cells::{CellGraph, CellId, Locator, subdivide};
 use crate::level::Level;
 use crate::pvs::eye::{Cone, Lookout, Scratch};
 use crate::pvs::{Progress, Pvs, sweep};
-use crate::report::plan::{EyeView, View, draw, draw_eye};
+use crate::report::check;
+use crate::report::plan::{EyeView, View, draw, draw_eye, draw_findings};
 use crate::report::sightlines;
 
 /// Sample sightlines in a picture with a source.
@@ -55,6 +56,9 @@ pub struct PlanArgs {
         requires = "eye"
     )]
     direction: Option<f64>,
+    /// Mark what was repaired or looks wrong, as `check` lists it
+    #[arg(long, conflicts_with_all = ["from", "cell", "eye", "camera"])]
+    findings: bool,
     /// Angle of view in degrees, up to 360 [default: 60, or the camera's]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     #[arg(conflicts_with_all = ["from", "cell"])]
@@ -85,6 +89,12 @@ pub fn run(args: &PlanArgs) -> Result<Answer> {
         draw_looking(args, &level, &graph, &looking)?
     } else {
         match source(args, &level, &graph)? {
+            None if args.findings => {
+                let mut found = level.findings.clone();
+                found.extend(graph.findings.iter().cloned());
+                found.extend(check::of_cells(&level, &graph));
+                draw_findings(&level, &graph, &found, args.width)
+            }
             None => draw(&level, &graph, None, args.width),
             Some(source) => {
                 let pvs = visible(&graph);

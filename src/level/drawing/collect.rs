@@ -360,7 +360,7 @@ fn swing_of_curve(from: DVec2, points: &[DVec2]) -> Option<Swing> {
         .iter()
         .all(|p| (p.distance(center) - radius).abs() <= 0.03 * radius);
     let turn = (from - center).angle_to(end - center).abs().to_degrees();
-    (points.len() > 2 && center.is_finite() && on_circle && (35.0..=185.0).contains(&turn))
+    (points.len() > 1 && center.is_finite() && on_circle && (35.0..=185.0).contains(&turn))
         .then_some(Swing {
             center,
             ends: [from, end],

@@ -15,7 +15,8 @@
 //! 5. [`rooms`]: which faces are rooms, and what they are called.
 //!
 //! # Inside and outside
-//! A face is outside where nothing encloses it, or inside a shape that is drawn as a solid (a column).
+//! A face is outside where nothing encloses it, or inside a shape that is drawn as a solid (a column, a
+//! filled wall) and no opening leads into it.
 //! A face into which no opening leads, and which is no wider than the thickest wall (twice its area
 //! divided by its perimeter), is the body of a wall: outside, too. A face as thin whose rim is mostly
 //! openings is a threshold and belongs to the largest room beside it. Every other face is a room.

@@ -23,6 +23,10 @@ const PARALLEL: f64 = 0.05;
 /// How far beyond its symbol an opening may reach for its jamb, as a part of its width: frames.
 const REACH: f64 = 0.15;
 
+/// How far a jamb, or a wall that runs on, may lie beside a symbol's line, as a part of its width:
+/// drawn by eye.
+const LOOSE: f64 = 0.06;
+
 /// An opening on the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hole {
@@ -291,21 +295,24 @@ impl<'a> Walls<'a> {
         let along = (b - a) / width;
         let middle = a.midpoint(b);
         let close = (1e-6 * width).max(sizes.weld);
+        let loose = close.max(LOOSE * width);
         let reach = width / 2.0 + REACH * width;
-        let covering = self.parallel(middle, along, width, close);
-        if covering.is_empty() {
-            let hits = [-along, along].map(|way| self.hit(middle, way, reach, close));
-            if let [Some(before), Some(after)] = hits {
-                // An end written in the file stays as it is.
-                let end = |i: usize, found: f64, way: DVec2| {
-                    let near = (found - width / 2.0).abs() <= close;
+        if self.parallel(middle, along, width, loose).is_empty() {
+            for close in [close, loose] {
+                let hits = [-along, along].map(|way| self.hit(middle, way, reach, close));
+                let [Some(before), Some(after)] = hits else {
+                    continue;
+                };
+                // An end that is written in the file, and is where the wall is, stays as it is.
+                let end = |i: usize, found: DVec2| {
+                    let near = found.distance(span.ends[i]) <= (1e-6 * width).max(sizes.weld);
                     if near {
                         (span.ends[i], span.written[i])
                     } else {
-                        (middle + way * found, false)
+                        (found, false)
                     }
                 };
-                let (first, second) = (end(0, before, -along), end(1, after, along));
+                let (first, second) = (end(0, before), end(1, after));
                 return Fitted {
                     holes: vec![([first.0, second.0], [first.1, second.1])],
                     caps: Vec::new(),
@@ -313,7 +320,7 @@ impl<'a> Walls<'a> {
                 };
             }
         }
-        let lines = self.parallel(middle, along, width, sizes.wall.max(close));
+        let lines = self.parallel(middle, along, width, sizes.wall.max(loose));
         if lines.is_empty() {
             return Fitted {
                 holes: vec![(span.ends, span.written)],
@@ -324,27 +331,32 @@ impl<'a> Walls<'a> {
         pierce(span, along, &lines)
     }
 
-    /// Distance to the first wall along a ray.
-    fn hit(&self, from: DVec2, way: DVec2, reach: f64, close: f64) -> Option<f64> {
+    /// The first point of a wall along a ray that passes it nearer than `close`.
+    fn hit(&self, from: DVec2, way: DVec2, reach: f64, close: f64) -> Option<DVec2> {
         let near = self.near(from, from + way * reach, close);
         let hits = near.iter().filter_map(|s| {
             let d = s.to - s.from;
-            let len = d.length();
             let offsets = [s.from, s.to].map(|p| way.perp_dot(p - from));
             if offsets.iter().all(|o| o.abs() <= close) {
-                // On the ray's own line: its nearer end.
+                // Along the ray: its nearer end.
                 let ts = [s.from, s.to].map(|p| (p - from).dot(way));
-                let t = ts[0].min(ts[1]);
-                return (t >= 0.0).then_some(t);
+                let (t, end) = if ts[0] <= ts[1] {
+                    (ts[0], s.from)
+                } else {
+                    (ts[1], s.to)
+                };
+                return (t >= 0.0).then_some((t, end));
             }
             if offsets[0].min(offsets[1]) > close || offsets[0].max(offsets[1]) < -close {
                 return None;
             }
             let share = (-offsets[0] / (offsets[1] - offsets[0])).clamp(0.0, 1.0);
-            let t = (s.from + d * share - from).dot(way);
-            (t > close && len > 0.0).then_some(t)
+            let p = s.from + d * share;
+            let t = (p - from).dot(way);
+            (t > close).then_some((t, p))
         });
-        hits.filter(|t| *t <= reach).min_by(f64::total_cmp)
+        let within = hits.filter(|(t, _)| *t <= reach);
+        within.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
     }
 
     /// Walls parallel to a span that run past its middle within a distance, from right to left.

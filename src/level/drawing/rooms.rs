@@ -45,6 +45,8 @@ enum Kind {
 /// A face measured.
 struct Measured {
     kind: Kind,
+    /// Whether an opening leads into it.
+    open: bool,
     area: f64,
     inside: DVec2,
     low: DVec2,
@@ -99,7 +101,8 @@ pub(super) fn classify(
             let n = || rings.iter().filter(|ring| ring_contains(ring, p)).count();
             p.cmpge(*low).all() && p.cmple(*high).all() && n() % 2 == 1
         });
-        if around.next().is_some() {
+        // Where an opening was cut into a filled wall, its reveal is filled, too.
+        if !face.open && around.next().is_some() {
             face.kind = Kind::Solid;
         }
     }
@@ -138,6 +141,12 @@ pub(super) fn classify(
         }
         waiting.retain(|&i| sector_of[i].is_none());
     }
+    let mut areas: Vec<f64> = vec![0.0; rooms.len()];
+    for (face, sector) in measured.iter().zip(&sector_of) {
+        if let Some(sector) = sector {
+            areas[sector.0 as usize] += face.area;
+        }
+    }
     let names = names(&rooms, &measured, faces, labels, &ends);
     let (floor, ceiling) = (
         0.0,
@@ -159,7 +168,7 @@ pub(super) fn classify(
     Ground {
         sectors: sectors.collect(),
         sector_of,
-        findings: tell(&measured, unit, sizes),
+        findings: tell(&measured, &areas, unit, sizes),
     }
 }
 
@@ -216,6 +225,7 @@ fn measure(
     };
     Measured {
         kind,
+        open: open > 0.0,
         area,
         inside,
         low,
@@ -319,7 +329,7 @@ fn is_name(text: &str) -> bool {
 }
 
 /// What is inside, and what is outside though it is enclosed.
-fn tell(measured: &[Measured], unit: &Unit, sizes: &Sizes) -> Vec<Finding> {
+fn tell(measured: &[Measured], areas: &[f64], unit: &Unit, sizes: &Sizes) -> Vec<Finding> {
     let of = |kind: Kind| measured.iter().filter(move |f| f.kind == kind);
     let places = |kind: Kind| -> Vec<Place> { of(kind).map(|f| point(f.inside)).collect() };
     // People know areas by the square metre.
@@ -327,7 +337,7 @@ fn tell(measured: &[Measured], unit: &Unit, sizes: &Sizes) -> Vec<Finding> {
         Some(metres) if unit.name != "square" => (metres * metres, "m²".to_string()),
         _ => (1.0, format!("{}²", unit.name)),
     };
-    let areas: Vec<f64> = of(Kind::Room).map(|f| f.area * factor).collect();
+    let areas: Vec<f64> = areas.iter().map(|area| area * factor).collect();
     let listed: Vec<String> = areas.iter().take(SHOWN).map(|a| length(*a)).collect();
     let more = match areas.len().saturating_sub(SHOWN) {
         0 => String::new(),

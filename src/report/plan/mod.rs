@@ -10,6 +10,7 @@ mod explained;
 mod eye;
 mod layers;
 mod legend;
+mod marks;
 mod names;
 mod palette;
 mod sheet;
@@ -23,7 +24,7 @@ use self::layers::Layers;
 use self::sheet::Sheet;
 use super::sightlines::Sightline;
 use crate::cells::{CellGraph, CellId};
-use crate::level::Level;
+use crate::level::{Finding, Level};
 use crate::pvs::Pvs;
 
 /// What one cell sees.
@@ -53,6 +54,17 @@ pub fn draw(level: &Level, graph: &CellGraph, view: Option<&View>, width: u32) -
         view.map_or(Shown::Sectors, Shown::Cell),
         width,
     )
+}
+
+/// Draws the plan with marks where something was found to be wrong or mended.
+pub fn draw_findings(
+    level: &Level,
+    graph: &CellGraph,
+    findings: &[Finding],
+    width: u32,
+) -> Document {
+    let marks = marks::of_findings(level, findings, &Sheet::of(graph));
+    draw(level, graph, None, width).add(marks)
 }
 
 /// Draws what an eye sees, as [`draw`] does.
@@ -140,6 +152,21 @@ mod tests {
         let graph = subdivide(&level, &Options::default());
         let plain = draw(&level, &graph, None, 400).to_string();
         assert!(plain.contains("A &amp; &lt;B&gt;"), "{plain}");
+        let found = Finding::at(
+            "gap",
+            crate::level::Severity::Warning,
+            "A gap.",
+            vec![
+                level.walls[0].place,
+                crate::level::Place::Point { x: 1.0, y: 1.0 },
+            ],
+        );
+        let found: Vec<Finding> = found.into_iter().collect();
+        let marked = draw_findings(&level, &graph, &found, 400).to_string();
+        assert_eq!(
+            marked.matches("<circle").count(),
+            plain.matches("<circle").count() + 2
+        );
         let pvs = sweep(&graph, &Progress::default());
         let source = CellId(0);
         let lines = sightlines::sample(&graph, &pvs, source, 5);
@@ -149,7 +176,7 @@ mod tests {
             lines,
         };
         let seen = draw(&level, &graph, Some(&view), 400).to_string();
-        for svg in [plain, seen] {
+        for svg in [plain, marked, seen] {
             crate::report::picture::png(&svg, 300).unwrap();
         }
     }
