@@ -93,6 +93,10 @@ const WORDS: [(Role, &[&str]); 6] = [
             "*SCHRAFFUR*",
             "*BEMASS*",
             "*COTE*",
+            "*PORTAL*",
+            "CELLS",
+            "STEPS",
+            "ARCHWAYS",
             "*CEIL*",
             "*SYMB*",
             "*LEGEND*",
@@ -247,6 +251,11 @@ mod tests {
         assert_eq!(role("A-GLAZ"), Some(Role::Window));
         assert_eq!(role("S-COLS"), Some(Role::Column));
         assert_eq!(role("I-FURN"), Some(Role::Furniture));
+        // Layers of our own exports; a porta is a door, a portal of cells is none.
+        for own in ["PORTALS", "CELLS", "STEPS", "ARCHWAYS"] {
+            assert_eq!(role(own), Some(Role::Ignored), "{own}");
+        }
+        assert_eq!(role("A-PORTA"), Some(Role::Door));
         assert_eq!(role("0"), None);
         let rules = ["wall=0".parse().unwrap(), "ignored=*WALL*".parse().unwrap()];
         assert_eq!(role_of("0", &rules), Some(Role::Wall));
