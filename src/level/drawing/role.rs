@@ -100,6 +100,10 @@ const WORDS: [(Role, &[&str]); 7] = [
             "*SCHRAFFUR*",
             "*BEMASS*",
             "*COTE*",
+            "*PORTAL*",
+            "CELLS",
+            "STEPS",
+            "ARCHWAYS",
             "*CEIL*",
             "*SYMB*",
             "*LEGEND*",
@@ -255,6 +259,11 @@ mod tests {
         assert_eq!(role("A-GLAZ"), Some(Role::Window));
         assert_eq!(role("S-COLS"), Some(Role::Column));
         assert_eq!(role("I-FURN"), Some(Role::Furniture));
+        // Layers of our own exports; a porta is a door, a portal of cells is none.
+        for own in ["PORTALS", "CELLS", "STEPS", "ARCHWAYS"] {
+            assert_eq!(role(own), Some(Role::Ignored), "{own}");
+        }
+        assert_eq!(role("A-PORTA"), Some(Role::Door));
         assert_eq!(role("0"), None);
         // Our own drawings.
         assert_eq!(role("PORTALS"), Some(Role::Ignored));

@@ -91,7 +91,8 @@ pub fn draw(known: &Known, extra: Extra) -> Document {
             let ends = drawn.ends.map(|p| level.grid.to_level(p));
             let mut element = page.line(ends, class);
             if let Some(name) = &drawn.name {
-                element = element.set("inkscape:label", &**name);
+                // Not as a label: a serving hatch is no hatching.
+                element = element.set("data-name", &**name);
             }
             if drawn.shut {
                 element = element.set("data-closed", "true");
@@ -244,7 +245,7 @@ mod tests {
         assert_eq!(count("cell"), graph.cells.len());
         let door = text.lines().find(|l| l.contains("class=\"door\"")).unwrap();
         assert!(
-            door.contains("data-closed") && door.contains("inkscape:label=\"D\""),
+            door.contains("data-closed") && door.contains("data-name=\"D\""),
             "{door}"
         );
         crate::report::picture::png(&text, 300).unwrap();
