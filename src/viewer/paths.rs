@@ -65,7 +65,7 @@ impl Recording {
     /// A walk to keep; `None` if it goes nowhere.
     fn finish(self, name: String, fov: f64) -> Option<CameraPath> {
         let speed = self.length() / self.seconds;
-        (self.points.len() > 1 && speed.is_finite() && speed > 0.0).then(|| CameraPath {
+        (self.points.len() > 1 && speed.is_finite() && speed > 0.0).then_some(CameraPath {
             name,
             points: self.points,
             eye: None,
