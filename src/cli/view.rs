@@ -9,8 +9,9 @@ use super::Answer;
 #[cfg(feature = "viewer")]
 use {
     super::level_args::open,
+    super::output,
     super::render::files,
-    crate::viewer::{self, Loaded, Loader, Voice},
+    crate::viewer::{self, Loaded, Services, Voice},
     std::path::Path,
     std::sync::Arc,
 };
@@ -59,11 +60,22 @@ fn read(path: &Path, map: Option<&str>) -> Result<Loaded> {
     Ok(Loaded { level, files })
 }
 
-/// What the viewer needs of the rest of the program: how levels are read, and words.
+/// Writes a file, whole or not at all.
 #[cfg(feature = "viewer")]
-pub fn services() -> (Loader, Voice) {
-    let loader = |path: &Path, map: Option<&str>| read(path, map).map_err(|e| format!("{e:#}"));
-    (Arc::new(loader), VOICE)
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut file = output::Output::create(path)?;
+    file.write(|out| out.write_all(bytes))?;
+    output::commit([file])
+}
+
+/// What the viewer needs of the rest of the program: how files are read and written, and words.
+#[cfg(feature = "viewer")]
+pub fn services() -> Services {
+    Services {
+        load: Arc::new(|path, map| read(path, map).map_err(|e| format!("{e:#}"))),
+        save: |path, bytes| write(path, bytes).map_err(|e| format!("{e:#}")),
+        voice: VOICE,
+    }
 }
 
 /// Runs `enfilade view`.
