@@ -101,3 +101,26 @@ pub(super) fn run(args: &ViewArgs) -> Result<Answer> {
         "this enfilade was built without the viewer; build it with `cargo build --release --features viewer`"
     )
 }
+
+#[cfg(all(test, feature = "viewer", unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    #[test]
+    fn a_saved_file_keeps_its_permissions_and_links_stay_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("a.toml"), folder.path().join("b.toml"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        (services().save)(&link, b"new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+        assert!(link.is_symlink());
+        let said = (services().save)(&folder.path().join("no/c.toml"), b"new").unwrap_err();
+        assert!(said.contains("no/c.toml"), "{said}");
+    }
+}

@@ -58,7 +58,8 @@ pub struct Settings {
     pub sightlines: bool,
     /// Borders of cells over the 3D view.
     pub outlines: bool,
-    /// Doors that stand closed count as walls.
+    /// Doors that stand closed count as walls: since one was opened or closed by hand, and for that time only.
+    #[serde(skip)]
     pub closed: bool,
     /// Heights count for "why".
     pub heights: bool,
@@ -159,6 +160,7 @@ mod tests {
         memory.settings.view = View::Both;
         memory.settings.culling = Culling::Pvs;
         memory.settings.help = true;
+        memory.settings.closed = true;
         for name in ["a", "b", "a"] {
             put_first(
                 &mut memory.recent,
@@ -168,7 +170,8 @@ mod tests {
         let text = serde_json::to_string(&memory).expect("it is plain data");
         let mut back: Memory = serde_json::from_str(&text).expect("it reads");
         assert!(!back.settings.help, "a window that was open");
-        back.settings.help = true;
+        assert!(!back.settings.closed, "doors of another level");
+        (back.settings.help, back.settings.closed) = (true, true);
         assert_eq!(back, memory);
         let names: Vec<_> = back.recent.iter().map(|(p, _)| p.clone()).collect();
         assert_eq!(
