@@ -49,11 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let line = window.state().explanation().and_then(|e| e.rise);
     window.state_mut().look_along(line.ok_or("no sightline")?);
-    window.run_steps(4);
-    let camera = window.state().camera();
-    until(&mut window, "the view along it", |app| {
-        app.seen.as_ref().is_some_and(|s| s.look.camera == camera)
-    })?;
+    arrive(&mut window, "the view along it")?;
     keep(&mut window, &folder, "viewer-why")?;
     window.key_press(Key::Escape);
     let app = window.state_mut();
@@ -108,11 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let back = app.eye.direction() * 300.0;
     app.eye.eye += DVec3::Z * 420.0 - back;
     app.eye.pitch = -0.85;
-    window.run_steps(4);
-    let camera = window.state().camera();
-    until(&mut window, "the frozen view", |app| {
-        app.seen.as_ref().is_some_and(|s| s.look.camera == camera)
-    })?;
+    arrive(&mut window, "the frozen view")?;
     keep(&mut window, &folder, "viewer-frozen")?;
     Ok(())
 }
@@ -133,6 +125,15 @@ fn open(path: PathBuf, map: Option<String>) -> Result<Window, String> {
     })?;
     window.run_steps(4);
     Ok(window)
+}
+
+/// Goes on until the view is that of the eye where it is now.
+fn arrive(window: &mut Window, what: &str) -> Result<(), String> {
+    window.run_steps(4);
+    let camera = window.state().camera();
+    until(window, what, |app| {
+        app.seen.as_ref().is_some_and(|s| s.look.camera == camera)
+    })
 }
 
 fn until(window: &mut Window, what: &str, done: impl Fn(&App) -> bool) -> Result<(), String> {

@@ -9,8 +9,9 @@ use super::Answer;
 #[cfg(feature = "viewer")]
 use {
     super::level_args::open,
+    super::output,
     super::render::files,
-    crate::viewer::{self, Loaded, Loader, Voice},
+    crate::viewer::{self, Loaded, Services, Voice},
     std::path::Path,
     std::sync::Arc,
 };
@@ -59,11 +60,22 @@ fn read(path: &Path, map: Option<&str>) -> Result<Loaded> {
     Ok(Loaded { level, files })
 }
 
-/// What the viewer needs of the rest of the program: how levels are read, and words.
+/// Writes a file, whole or not at all.
 #[cfg(feature = "viewer")]
-pub fn services() -> (Loader, Voice) {
-    let loader = |path: &Path, map: Option<&str>| read(path, map).map_err(|e| format!("{e:#}"));
-    (Arc::new(loader), VOICE)
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut file = output::Output::create(path)?;
+    file.write(|out| out.write_all(bytes))?;
+    output::commit([file])
+}
+
+/// What the viewer needs of the rest of the program: how files are read and written, and words.
+#[cfg(feature = "viewer")]
+pub fn services() -> Services {
+    Services {
+        load: Arc::new(|path, map| read(path, map).map_err(|e| format!("{e:#}"))),
+        save: |path, bytes| write(path, bytes).map_err(|e| format!("{e:#}")),
+        voice: VOICE,
+    }
 }
 
 /// Runs `enfilade view`.
@@ -88,4 +100,27 @@ pub(super) fn run(args: &ViewArgs) -> Result<Answer> {
     anyhow::bail!(
         "this enfilade was built without the viewer; build it with `cargo build --release --features viewer`"
     )
+}
+
+#[cfg(all(test, feature = "viewer", unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    #[test]
+    fn a_saved_file_keeps_its_permissions_and_links_stay_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("a.toml"), folder.path().join("b.toml"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        (services().save)(&link, b"new").unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+        assert!(link.is_symlink());
+        let said = (services().save)(&folder.path().join("no/c.toml"), b"new").unwrap_err();
+        assert!(said.contains("no/c.toml"), "{said}");
+    }
 }

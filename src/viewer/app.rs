@@ -12,17 +12,18 @@ use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
 use glam::{DVec2, DVec3};
 
 use super::costs::{Costs, Knobs};
-use super::document::{Document, Loader, Voice};
+use super::document::{Document, Services};
 use super::edit::Editing;
 use super::engine::{Card, Engine, Explained, Look, Report, SLOTS, Seen};
 use super::methods::Methods;
 use super::paths::{Play, Recording, Saving};
 use super::plan::PlanView;
 pub use super::settings::{Memory, Settings, Tab, View};
+use super::settings::{Opened, put_first};
 use super::sightlines::Sightlines;
 use super::tracing::{Report as TracingReport, Traced, Tracing};
 use super::walker::{Mode, Walker};
-use crate::cells::{CellId, Doors};
+use crate::cells::CellId;
 use crate::level::scene::CameraPath;
 use crate::trace::camera::Camera;
 use crate::trace::picture::Exposure;
@@ -45,8 +46,7 @@ pub struct Sample {
 
 /// The window.
 pub struct App {
-    loader: Loader,
-    voice: Voice,
+    pub(super) services: Services,
     loading: Option<(String, Receiver<Result<Document, String>>)>,
     /// What is open.
     pub document: Option<Arc<Document>>,
@@ -59,7 +59,7 @@ pub struct App {
     /// The plan.
     pub plan: PlanView,
     /// Levels that were opened before.
-    pub recent: Vec<(PathBuf, Option<String>)>,
+    pub recent: Vec<Opened>,
     /// What the eye saw last.
     pub seen: Option<Seen>,
     pub(super) picture: Option<TextureHandle>,
@@ -125,15 +125,10 @@ pub struct App {
 
 impl App {
     /// A window without a level.
-    pub fn new(
-        context: &egui::Context,
-        card: Option<RenderState>,
-        (loader, voice): (Loader, Voice),
-    ) -> Self {
+    pub fn new(context: &egui::Context, card: Option<RenderState>, services: Services) -> Self {
         context.set_theme(egui::Theme::Dark);
         Self {
-            loader,
-            voice,
+            services,
             loading: None,
             document: None,
             engine: None,
@@ -182,24 +177,19 @@ impl App {
 
     /// Reads a level beside the window's thread, and shows it when it is ready.
     pub fn open(&mut self, path: PathBuf, map: Option<String>) {
-        let (loader, context) = (self.loader.clone(), self.context.clone());
-        let voice = self.voice;
-        let doors = if self.settings.closed {
-            Doors::Closed
-        } else {
-            Doors::Open
-        };
+        let (services, context) = (self.services.clone(), self.context.clone());
+        let doors = self.settings.doors();
         let (answer, result) = channel();
         let name = path.display().to_string();
         self.watched.1 = modified(&path);
         std::thread::spawn(move || {
-            let document = loader(&path, map.as_deref()).and_then(|loaded| {
+            let document = (services.load)(&path, map.as_deref()).and_then(|loaded| {
                 Document::new(
                     (path, map),
                     loaded.level,
                     Arc::new(loaded.files),
                     doors,
-                    voice,
+                    services.voice,
                 )
             });
             _ = answer.send(document);
@@ -229,9 +219,8 @@ impl App {
         });
         if !same {
             self.walks.clear();
-            let mut memory = self.memory();
-            memory.opened(document.path.clone(), document.map.clone());
-            self.recent = memory.recent;
+            let level = (document.path.clone(), document.map.clone());
+            put_first(&mut self.recent, level);
         }
         self.methods = Methods::default();
         self.sightlines = None;

@@ -29,6 +29,20 @@ pub struct Loaded {
 /// Reads a level file, and a map of it; the message says what is wrong and what to do.
 pub type Loader = Arc<dyn Fn(&Path, Option<&str>) -> Result<Loaded, String> + Send + Sync>;
 
+/// Writes a file, whole or not at all; the message names it.
+pub type Saver = fn(&Path, &[u8]) -> Result<(), String>;
+
+/// What the viewer needs of the program around it: files, and words.
+#[derive(Clone)]
+pub struct Services {
+    /// Reads levels.
+    pub load: Loader,
+    /// Writes files.
+    pub save: Saver,
+    /// Puts things into words.
+    pub voice: Voice,
+}
+
 /// Words that others put together: the viewer stands beside them, and does not know them.
 #[derive(Clone, Copy)]
 pub struct Voice {
@@ -181,6 +195,11 @@ impl Document {
             space: &self.world.space,
             footing: &self.footing,
         }
+    }
+
+    /// Whether its file is one of the own format, to which walks can be added.
+    pub fn is_in_own_format(&self) -> bool {
+        self.path.extension().is_some_and(|e| e == "toml")
     }
 
     /// A cell that holds a place of the plan.

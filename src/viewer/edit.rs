@@ -12,9 +12,7 @@ use eframe::egui;
 use glam::DVec2;
 
 use super::app::App;
-use super::document::Document;
-use super::paths::write_whole;
-use crate::cells::Doors;
+use super::document::{Document, Saver};
 use crate::geom::GridPoint;
 use crate::level::edit::{History, move_point, near, toggle};
 use crate::level::toml::write;
@@ -187,11 +185,7 @@ impl App {
             let (send, making) = channel();
             let level = editing.history.present().clone();
             let (place, files) = ((old.path.clone(), old.map.clone()), old.files.clone());
-            let doors = if self.settings.closed {
-                Doors::Closed
-            } else {
-                Doors::Open
-            };
+            let doors = self.settings.doors();
             let (context, voice) = (self.context.clone(), old.voice);
             std::thread::spawn(move || {
                 _ = send.send(Document::new(
@@ -218,9 +212,9 @@ impl App {
             self.edit();
         }
         let (send, saving) = channel();
-        let context = self.context.clone();
+        let (context, saver) = (self.context.clone(), self.services.save);
         std::thread::spawn(move || {
-            _ = send.send(save(&document.level, &path));
+            _ = send.send(save(&document.level, &path, saver));
             context.request_repaint();
         });
         if let Some(editing) = &mut self.editing {
@@ -248,11 +242,11 @@ impl App {
     }
 }
 
-/// Writes a level, whole or not at all.
-fn save(level: &Level, path: &Path) -> Result<String, String> {
+/// Writes a level.
+fn save(level: &Level, path: &Path, saver: Saver) -> Result<String, String> {
     let name = path.display();
     let written = write::write(level).map_err(|e| format!("{name}: {e}"))?;
-    write_whole(path, written.text.as_bytes()).map_err(|e| format!("cannot write {name}: {e}"))?;
+    saver(path, written.text.as_bytes())?;
     Ok(match written.left_out.len() {
         0 => format!("saved as {name}"),
         _ => format!("saved as {name}, without {}", written.left_out.join(", ")),

@@ -103,6 +103,7 @@ pub enum Report {
     Explained(Box<Explained>),
 }
 
+#[allow(clippy::large_enum_variant)] // one at a time is sent
 enum Question {
     Look(Look),
     Explain([CellId; 2], bool),

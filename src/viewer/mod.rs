@@ -1,7 +1,7 @@
 //! The interactive viewer: a window in which one walks through a level, and sees what is visible from
 //! where, why, and what it costs.
 //!
-//! In: a level file and a way to read it ([`Loader`]). Out: a window, until somebody closes it. Everything
+//! In: a level file and a way to read it ([`Services`]). Out: a window, until somebody closes it. Everything
 //! that takes time happens beside the window's thread: reading and computing a level ([`app`]), what an
 //! eye sees ([`engine`]).
 //!
@@ -56,7 +56,7 @@ use eframe::egui;
 use thiserror::Error;
 
 pub use app::App;
-pub use document::{Document, Loaded, Loader, Voice};
+pub use document::{Document, Loaded, Loader, Saver, Services, Voice};
 
 /// Why there is no window.
 #[derive(Debug, Error)]
@@ -74,7 +74,7 @@ pub enum ViewerError {
 /// another cell: `eye X Y Z cell N pvs N`.
 pub fn run(
     level: Option<(PathBuf, Option<String>)>,
-    (loader, voice): (Loader, Voice),
+    services: Services,
     log: Option<fn(&str)>,
 ) -> Result<(), ViewerError> {
     let options = eframe::NativeOptions {
@@ -88,7 +88,7 @@ pub fn run(
         Box<dyn eframe::App>,
         Box<dyn std::error::Error + Send + Sync>,
     > {
-        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), (loader, voice));
+        let mut app = App::new(&context.egui_ctx, context.wgpu_render_state.clone(), services);
         app.log = log;
         if let Some(memory) = context.storage.and_then(|s| eframe::get_value(s, eframe::APP_KEY)) {
             app.remember(memory);

@@ -3,14 +3,15 @@
 //! A recorded walk is kept until the level is closed; it is saved at the end of the level's own file, if
 //! that is of the own format, or in a file that holds walks alone ([`walks`]).
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use eframe::egui;
 use glam::{DVec2, DVec3};
 
 use super::app::App;
+use super::document::Saver;
 use super::walker::Walker;
+use super::windows::centred;
 use crate::level::scene::{CameraPath, PathLook, PathPace};
 use crate::level::toml::{walks, write};
 use crate::walk::{Ground, Track, TrackOptions, tour};
@@ -65,7 +66,7 @@ impl Recording {
     /// A walk to keep; `None` if it goes nowhere.
     fn finish(self, name: String, fov: f64) -> Option<CameraPath> {
         let speed = self.length() / self.seconds;
-        (self.points.len() > 1 && speed.is_finite() && speed > 0.0).then(|| CameraPath {
+        (self.points.len() > 1 && speed.is_finite() && speed > 0.0).then_some(CameraPath {
             name,
             points: self.points,
             eye: None,
@@ -168,9 +169,8 @@ impl App {
         };
         self.walks.push(path.clone());
         let stem = document.path.file_stem().map(|s| s.to_string_lossy());
-        let own = document.path.extension().is_some_and(|e| e == "toml");
         self.keeping = Some(Saving {
-            within: own,
+            within: document.is_in_own_format(),
             file: format!("{}.walks.toml", stem.unwrap_or_default()),
             path,
         });
@@ -186,7 +186,7 @@ impl App {
         } else {
             PathBuf::from(&saving.file)
         };
-        match append(&file, &saving.path, saving.within) {
+        match append(&file, &saving.path, saving.within, self.services.save) {
             Ok(()) => {
                 self.note = Some(format!(
                     "walk `{}` saved in {}",
@@ -225,23 +225,23 @@ impl App {
         let Some(mut saving) = self.keeping.take() else {
             return;
         };
-        let level = self.document.as_ref().map(|d| d.path.clone());
-        let own = level
-            .as_ref()
-            .is_some_and(|p| p.extension().is_some_and(|e| e == "toml"));
+        let document = self.document.clone();
+        let own = document.as_ref().filter(|d| d.is_in_own_format());
         let (mut open, mut go, mut leave) = (true, false, false);
-        egui::Window::new("Save the walk")
+        centred("Save the walk", context)
             .open(&mut open)
-            .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(context.content_rect().center())
             .resizable(false)
             .show(context, |ui| {
                 ui.horizontal(|ui| {
                     ui.label("name");
                     ui.text_edit_singleline(&mut saving.path.name);
                 });
-                if let (true, Some(level)) = (own, &level) {
-                    let name = level.file_name().unwrap_or_default().to_string_lossy();
+                if let Some(document) = own {
+                    let name = document
+                        .path
+                        .file_name()
+                        .unwrap_or_default()
+                        .to_string_lossy();
                     let text = format!("at the end of {name}");
                     ui.radio_value(&mut saving.within, true, text);
                 }
@@ -268,7 +268,7 @@ impl App {
 
 /// Puts a walk at the end of a level's file, or of a file of walks, which is made if there is none. The file
 /// is read first, and is as it was if the walk does not fit into it.
-fn append(file: &Path, path: &CameraPath, level: bool) -> Result<(), String> {
+fn append(file: &Path, path: &CameraPath, level: bool, save: Saver) -> Result<(), String> {
     let name = file.display();
     let text = match std::fs::read_to_string(file) {
         Ok(text) => text,
@@ -288,20 +288,7 @@ fn append(file: &Path, path: &CameraPath, level: bool) -> Result<(), String> {
         walks::read(text).map(|_| ())
     };
     checked.map_err(|e| format!("{name} would not be read any more: {e}"))?;
-    write_whole(file, text.as_bytes()).map_err(|e| format!("cannot write {name}: {e}"))
-}
-
-/// Writes a file, whole or not at all.
-pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    Ok(())
+    save(file, text.as_bytes())
 }
 
 impl App {
@@ -367,6 +354,7 @@ mod tests {
 
     #[test]
     fn a_walk_is_put_at_the_end_of_a_file_or_not_at_all() {
+        const SAVE: Saver = |path, bytes| std::fs::write(path, bytes).map_err(|e| e.to_string());
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| CameraPath {
             name: name.into(),
@@ -380,23 +368,23 @@ mod tests {
         let level = folder.path().join("level.toml");
         let text = "# mine\n[[room]]\nname = \"A\"\nrect = [0, 0, 9, 9]";
         std::fs::write(&level, text).expect("written");
-        append(&level, &path("in"), true).expect("it fits");
+        append(&level, &path("in"), true, SAVE).expect("it fits");
         let now = std::fs::read_to_string(&level).expect("it is there");
         assert!(now.starts_with(text), "{now}");
         assert!(
-            append(&level, &path("in"), true)
+            append(&level, &path("in"), true, SAVE)
                 .expect_err("twice")
                 .contains("`in`")
         );
         assert_eq!(std::fs::read_to_string(&level).expect("it is there"), now);
         let own = folder.path().join("own.toml");
         for name in ["a", "b"] {
-            append(&own, &path(name), false).expect("it fits");
+            append(&own, &path(name), false, SAVE).expect("it fits");
         }
         let text = std::fs::read_to_string(&own).expect("it is there");
         assert_eq!(walks::read(&text).expect("it reads").len(), 2);
         // A level is no file of walks.
-        assert!(append(&level, &path("c"), false).is_err());
+        assert!(append(&level, &path("c"), false, SAVE).is_err());
         assert_eq!(std::fs::read_to_string(&level).expect("it is there"), now);
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::cells::Doors;
 use crate::preview::Culling;
 use crate::trace::effects::Effects;
 
@@ -57,7 +58,8 @@ pub struct Settings {
     pub sightlines: bool,
     /// Borders of cells over the 3D view.
     pub outlines: bool,
-    /// Doors that stand closed count as walls.
+    /// Doors that stand closed count as walls: since one was opened or closed by hand, and for that time only.
+    #[serde(skip)]
     pub closed: bool,
     /// Heights count for "why".
     pub heights: bool,
@@ -115,6 +117,20 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// How doors count.
+    pub fn doors(&self) -> Doors {
+        if self.closed {
+            Doors::Closed
+        } else {
+            Doors::Open
+        }
+    }
+}
+
+/// A level file that was opened, and which map of it.
+pub type Opened = (PathBuf, Option<String>);
+
 /// What is kept when the window is closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -122,17 +138,15 @@ pub struct Memory {
     /// What was chosen.
     pub settings: Settings,
     /// Levels that were opened, each with its map, the last one first.
-    pub recent: Vec<(PathBuf, Option<String>)>,
+    pub recent: Vec<Opened>,
 }
 
-impl Memory {
-    /// A level was opened.
-    pub fn opened(&mut self, path: PathBuf, map: Option<String>) {
-        let level = (std::path::absolute(&path).unwrap_or(path), map);
-        self.recent.retain(|old| *old != level);
-        self.recent.insert(0, level);
-        self.recent.truncate(RECENT);
-    }
+/// A level was opened: it comes first, once.
+pub fn put_first(recent: &mut Vec<Opened>, (path, map): Opened) {
+    let level = (std::path::absolute(&path).unwrap_or(path), map);
+    recent.retain(|old| *old != level);
+    recent.insert(0, level);
+    recent.truncate(RECENT);
 }
 
 #[cfg(test)]
@@ -146,13 +160,18 @@ mod tests {
         memory.settings.view = View::Both;
         memory.settings.culling = Culling::Pvs;
         memory.settings.help = true;
+        memory.settings.closed = true;
         for name in ["a", "b", "a"] {
-            memory.opened(format!("/levels/{name}.toml").into(), None);
+            put_first(
+                &mut memory.recent,
+                (format!("/levels/{name}.toml").into(), None),
+            );
         }
         let text = serde_json::to_string(&memory).expect("it is plain data");
         let mut back: Memory = serde_json::from_str(&text).expect("it reads");
         assert!(!back.settings.help, "a window that was open");
-        back.settings.help = true;
+        assert!(!back.settings.closed, "doors of another level");
+        (back.settings.help, back.settings.closed) = (true, true);
         assert_eq!(back, memory);
         let names: Vec<_> = back.recent.iter().map(|(p, _)| p.clone()).collect();
         assert_eq!(
@@ -174,7 +193,10 @@ mod tests {
     fn so_many_levels_are_remembered() {
         let mut memory = Memory::default();
         for k in 0..30 {
-            memory.opened("/levels/all.wad".into(), Some(format!("MAP{k}")));
+            put_first(
+                &mut memory.recent,
+                ("/levels/all.wad".into(), Some(format!("MAP{k}"))),
+            );
         }
         assert_eq!(memory.recent.len(), RECENT);
         assert_eq!(memory.recent[0].1.as_deref(), Some("MAP29"));

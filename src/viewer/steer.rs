@@ -93,11 +93,20 @@ impl App {
                 self.settings.view = view;
             }
         }
+        let s = &mut self.settings;
+        for (key, switch) in [
+            (Key::M, &mut s.plan),
+            (Key::H, &mut s.heat),
+            (Key::L, &mut s.sightlines),
+            (Key::O, &mut s.outlines),
+            (Key::T, &mut s.textured),
+            (Key::F1, &mut s.help),
+            (Key::F3, &mut s.debug),
+        ] {
+            *switch ^= pressed(key);
+        }
         if pressed(Key::B) {
             self.edit();
-        }
-        if pressed(Key::M) {
-            self.settings.plan = !self.settings.plan;
         }
         if pressed(Key::F) {
             self.eye.mode = match self.eye.mode {
@@ -108,26 +117,8 @@ impl App {
         if pressed(Key::P) {
             self.freeze();
         }
-        if pressed(Key::H) {
-            self.settings.heat = !self.settings.heat;
-        }
-        if pressed(Key::L) {
-            self.settings.sightlines = !self.settings.sightlines;
-        }
-        if pressed(Key::O) {
-            self.settings.outlines = !self.settings.outlines;
-        }
         if pressed(Key::R) {
             self.record();
-        }
-        if pressed(Key::T) {
-            self.settings.textured = !self.settings.textured;
-        }
-        if pressed(Key::F1) {
-            self.settings.help = !self.settings.help;
-        }
-        if pressed(Key::F3) {
-            self.settings.debug = !self.settings.debug;
         }
         if pressed(Key::F5) {
             self.reload();

@@ -43,11 +43,9 @@ impl App {
     pub(super) fn windows(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         let mut open = self.settings.help;
-        egui::Window::new("Keys")
+        centred("Keys", &context)
             .open(&mut open)
             .resizable(false)
-            .pivot(egui::Align2::CENTER_CENTER)
-            .default_pos(context.content_rect().center())
             .show(&context, |ui| {
                 egui::Grid::new("keys")
                     .num_columns(2)
@@ -63,10 +61,8 @@ impl App {
         self.settings.help = open;
         if let Some(error) = self.error.clone() {
             let mut open = true;
-            egui::Window::new("This does not work")
+            centred("This does not work", &context)
                 .open(&mut open)
-                .pivot(egui::Align2::CENTER_CENTER)
-                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.label(error);
                     if self.document.is_some() {
@@ -83,10 +79,8 @@ impl App {
         self.keep_window(&context);
         if let Some(mut path) = self.saving.take() {
             let (mut open, mut go) = (true, false);
-            egui::Window::new("Save as TOML")
+            centred("Save as TOML", &context)
                 .open(&mut open)
-                .pivot(egui::Align2::CENTER_CENTER)
-                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.text_edit_singleline(&mut path).request_focus();
                     ui.horizontal(|ui| {
@@ -105,10 +99,8 @@ impl App {
         }
         if let Some(mut typed) = self.typed.take() {
             let (mut open, mut go) = (true, false);
-            egui::Window::new("Open a level")
+            centred("Open a level", &context)
                 .open(&mut open)
-                .pivot(egui::Align2::CENTER_CENTER)
-                .default_pos(context.content_rect().center())
                 .show(&context, |ui| {
                     ui.label(
                     "Path of a level file; or drop it on the window. After a # the map of a WAD.",
@@ -134,4 +126,11 @@ impl App {
             }
         }
     }
+}
+
+/// A window that comes up in the middle of everything.
+pub(super) fn centred<'o>(title: &str, context: &egui::Context) -> egui::Window<'o> {
+    egui::Window::new(title)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(context.content_rect().center())
 }

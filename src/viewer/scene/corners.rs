@@ -1,6 +1,6 @@
 //! The polygons of a level as triangles for a graphics card.
 //!
-//! In: [`Polygons`], their [`Coats`], and where the coats' texels lie. Out: [`Corners`] and, polygon by
+//! In: [`Polygons`], their [`Coats`], and where the coats' texels lie. Out: [`Corner`]s and, polygon by
 //! polygon, which of them make its triangles.
 //!
 //! Two polygons that meet must meet in the same corners, or pixels between them stay open. On the plan

@@ -126,13 +126,7 @@ fn the_last_picture_is_what_render_makes() {
             all.iter()
                 .all(|t| t.bytes.len() == 75 * 50 * 3 && t.size == [75, 50])
         );
-        assert_eq!(
-            all.iter()
-                .filter(|t| t.coarse == 1 && t.samples == 1)
-                .count()
-                > 0,
-            true
-        );
+        assert!(all.iter().any(|t| t.coarse == 1 && t.samples == 1));
     }
 }
 

@@ -1,5 +1,8 @@
 //! The real window, without a screen: keys, clicks on the plan, and what comes of them.
 
+mod editing;
+mod measures;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,14 +14,12 @@ use egui_kittest::kittest::Queryable;
 use glam::DVec2;
 
 use super::app::{App, Tab, View};
-use super::document::{Loaded, Loader, Voice};
+use super::document::{Loaded, Services, Voice};
 use super::engine::Picture;
-use super::methods::Contender;
 use super::walker::Mode;
 use crate::cells::CellId;
 use crate::level::read;
 use crate::preview::Culling;
-use crate::pvs::Method;
 use crate::trace::world::Files;
 
 /// Words are tested where they are made.
@@ -27,8 +28,8 @@ const VOICE: Voice = Voice {
     why: |_, _, _, [a, b], _| Some(format!("cells {} and {}", a.0, b.0)),
 };
 
-fn loader() -> Loader {
-    Arc::new(|path: &Path, map: Option<&str>| {
+fn services() -> Services {
+    let load = |path: &Path, map: Option<&str>| {
         let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
         let name = path.display().to_string();
         let level = read::read(bytes, &name, map).map_err(|e| e.to_string())?;
@@ -36,7 +37,12 @@ fn loader() -> Loader {
             level,
             files: Files::default(),
         })
-    })
+    };
+    Services {
+        load: Arc::new(load),
+        save: |path, bytes| std::fs::write(path, bytes).map_err(|e| e.to_string()),
+        voice: VOICE,
+    }
 }
 
 fn sample(name: &str) -> PathBuf {
@@ -50,7 +56,7 @@ fn window(path: PathBuf) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(move |context| {
-            let mut app = App::new(&context.egui_ctx, None, (loader(), VOICE));
+            let mut app = App::new(&context.egui_ctx, None, services());
             app.open(path, None);
             app
         });
@@ -65,6 +71,14 @@ fn until(harness: &mut Harness<'static, App>, what: &str, done: impl Fn(&App) ->
     let start = Instant::now();
     while !done(harness.state()) {
         assert!(start.elapsed() < Duration::from_secs(120), "no {what}");
+        harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Lets some frames go by, in real time.
+fn moments(harness: &mut Harness<'static, App>, frames: usize) {
+    for _ in 0..frames {
         harness.step();
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -117,10 +131,7 @@ fn keys_move_the_eye_and_what_it_sees_follows() {
     harness.run_steps(40);
     harness.key_up(Key::ArrowLeft);
     harness.key_down(Key::W);
-    for _ in 0..60 {
-        harness.step();
-        std::thread::sleep(Duration::from_millis(4));
-    }
+    moments(&mut harness, 60);
     harness.key_up(Key::W);
     until(&mut harness, "rest", |app| !app.eye.moves());
     let after = harness.state().eye;
@@ -287,220 +298,6 @@ fn a_traced_picture_grows_finer_while_the_eye_rests() {
     });
 }
 
-/// Presses, moves in steps, and lets go.
-fn drag(harness: &mut Harness<'static, App>, from: Pos2, to: Pos2) {
-    harness.event(Event::PointerMoved(from));
-    harness.step();
-    let button = |pos, pressed| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    harness.event(button(from, true));
-    harness.step();
-    for k in 1..=8 {
-        harness.event(Event::PointerMoved(from.lerp(to, k as f32 / 8.0)));
-        harness.step();
-    }
-    harness.event(button(to, false));
-    harness.step();
-}
-
-#[test]
-fn corners_are_dragged_doors_toggled_and_all_of_it_undone_and_saved() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("level.toml");
-    let text = "name = \"three\"\n[[room]]\nname = \"A\"\nrect = [0, 0, 4, 4]\n\
-        [[room]]\nname = \"B\"\nrect = [4, 0, 8, 4]\n\
-        [[room]]\nname = \"C\"\nrect = [8, 0, 12, 4]\n\
-        [[door]]\nbetween = [\"A\", \"B\"]\nwidth = 1\n[[archway]]\nbetween = [\"B\", \"C\"]\nwidth = 1\n";
-    std::fs::write(&file, text).expect("written");
-    let mut harness = window(file);
-    let pairs = |app: &App| -> u32 {
-        let document = app.document.as_ref().expect("a level");
-        document.sees.iter().sum()
-    };
-    let open = pairs(harness.state());
-    harness.key_press(Key::B);
-    harness.run_steps(2);
-    // The door between A and B, at (4, 2).
-    let door = on_screen(&harness, DVec2::new(4.0, 2.0));
-    let before = harness.state().document.clone().expect("a level");
-    click(&mut harness, door, Modifiers::NONE);
-    until(&mut harness, "the closed door", |app| {
-        app.document
-            .as_ref()
-            .is_some_and(|d| !Arc::ptr_eq(d, &before))
-    });
-    assert!(pairs(harness.state()) < open, "{open}");
-    let note = &harness.state().editing.as_ref().expect("editing").note;
-    assert!(
-        note.contains("visible pairs") && note.contains('-'),
-        "{note}"
-    );
-    harness.state_mut().undo(false);
-    // Doors that stand open count as open now.
-    until(&mut harness, "the door as it was", |app| {
-        pairs(app) != open || app.changes() == 0
-    });
-    harness.state_mut().undo(true);
-    until(&mut harness, "the change again", |app| app.changes() == 1);
-    // The upper right corner of C is pulled out.
-    let [from, to] = [DVec2::new(12.0, 4.0), DVec2::new(11.0, 3.0)];
-    let [from, to] = [from, to].map(|p| on_screen(&harness, p));
-    drag(&mut harness, from, to);
-    let has = |app: &App| {
-        let document = app.document.as_ref().expect("a level");
-        let corners = document.plan.cells.iter().flatten();
-        let at = |p: &DVec2| p.distance(DVec2::new(11.0, 3.0)) < 0.2;
-        corners.clone().any(at)
-            && !corners
-                .clone()
-                .any(|p| p.distance(DVec2::new(12.0, 4.0)) < 1e-6)
-    };
-    until(&mut harness, "the corner", has);
-    assert_eq!(harness.state().changes(), 2, "a drag is one change");
-    let saved = folder.path().join("saved.toml");
-    harness.state_mut().save(saved.clone());
-    until(&mut harness, "the file", |app| {
-        app.editing
-            .as_ref()
-            .is_some_and(|e| e.note.starts_with("saved as"))
-    });
-    let text = std::fs::read(saved).expect("it is there");
-    let level = read::read(text, "saved.toml", None).expect("it reads");
-    assert_eq!(level.sectors.len(), 3);
-}
-
-#[test]
-fn a_walk_is_recorded_saved_and_played() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("level.toml");
-    std::fs::copy(sample("tiny.toml"), &file).expect("a copy");
-    let mut harness = window(file.clone());
-    harness.key_press(Key::R);
-    harness.run_steps(2);
-    assert!(harness.state().recording.is_some());
-    // Ahead, or, where there is a wall, back.
-    for key in [Key::W, Key::S] {
-        harness.key_down(key);
-        for _ in 0..60 {
-            harness.step();
-            std::thread::sleep(Duration::from_millis(4));
-        }
-        harness.key_up(key);
-        harness.step();
-    }
-    harness.key_press(Key::R);
-    harness.run_steps(3);
-    harness.get_by_label("Save the walk");
-    let walks = harness.state().walks.len();
-    assert_eq!(walks, 1);
-    // Into the level's own file, which is read again.
-    harness.get_by_label("Save").click();
-    harness.run_steps(3);
-    until(&mut harness, "the level with its walk", |app| {
-        let document = app.document.as_ref().expect("a level");
-        document
-            .level
-            .scene
-            .paths
-            .iter()
-            .any(|p| p.name == "walk 1")
-    });
-    assert_eq!(harness.state().error, None);
-    let text = std::fs::read(&file).expect("it is there");
-    let level = read::read(text, "level.toml", None).expect("it reads");
-    assert!(
-        level
-            .scene
-            .paths
-            .iter()
-            .any(|p| p.name == "walk 1" && p.points.len() > 1)
-    );
-    harness.state_mut().play(Some("walk 1"));
-    harness.run_steps(3);
-    assert!(
-        harness
-            .state()
-            .play
-            .as_ref()
-            .is_some_and(|p| p.track.seconds() > 0.0)
-    );
-    // One who does not move has nothing to keep.
-    harness.state_mut().play = None;
-    harness.key_press(Key::R);
-    harness.run_steps(2);
-    harness.key_press(Key::R);
-    harness.run_steps(2);
-    assert!(harness.state().error.is_some() && harness.state().keeping.is_none());
-}
-
-#[test]
-fn other_methods_are_measured_and_compared() {
-    let mut harness = window(sample("house.toml"));
-    harness.get_by_label("Accuracy").click();
-    harness.run_steps(3);
-    let document = harness.state().document.clone().expect("a level");
-    for contender in Contender::ALL {
-        let app = harness.state_mut();
-        app.methods.measure(&document, contender, || {});
-        until(&mut harness, contender.name(), |app| {
-            app.methods.of(contender).is_some()
-        });
-        let rival = harness
-            .state()
-            .methods
-            .of(contender)
-            .expect("it was measured");
-        let (exact, own) = (document.pvs.pairs(), rival.pvs.pairs());
-        assert_eq!(
-            own,
-            exact + rival.extra - rival.missed,
-            "{}",
-            contender.name()
-        );
-        match contender {
-            Contender::Method(Method::Sweep | Method::Search) => {
-                assert_eq!((rival.extra, rival.missed), (0, 0));
-            }
-            Contender::Method(Method::Flood) => assert!(rival.extra > 0 && rival.missed == 0),
-            Contender::Heights => assert_eq!(rival.extra, 0),
-            _ => {}
-        }
-    }
-    harness.run_steps(3);
-    // Each line of the table has its box now.
-    let boxes = harness.get_all_by_label("show").count();
-    assert_eq!(boxes, Contender::ALL.len());
-    harness.state_mut().methods.shown = Some(Contender::Method(Method::Flood));
-    harness.run_steps(3);
-    harness.get_by_label("sees too much");
-}
-
-#[test]
-fn sightlines_lead_to_every_cell_that_is_seen() {
-    let mut harness = window(sample("museum.toml"));
-    harness.key_press(Key::L);
-    until(&mut harness, "all sightlines", |app| {
-        app.sightlines.as_ref().is_some_and(|s| s.complete)
-    });
-    let app = harness.state();
-    let document = app.document.clone().expect("a level");
-    let lines = app.sightlines.as_ref().expect("sightlines");
-    let cell = lines.cell;
-    assert_eq!(Some(cell), app.subject());
-    assert_eq!(lines.lines.len() as u32 + 1, document.sees[cell.0 as usize]);
-    let longest = lines.longest().expect("one").1;
-    for [from, to] in &lines.lines {
-        assert_eq!(document.cell_at(*from), Some(cell));
-        let other = document.cell_at(*to).expect("inside");
-        assert!(document.pvs.sees(cell, other));
-        assert!(from.distance(*to) <= longest);
-    }
-}
-
 #[test]
 fn a_click_gives_the_mouse_to_the_view() {
     let mut harness = window(sample("museum.toml"));
@@ -563,68 +360,6 @@ fn the_right_button_offers_what_can_be_done_there() {
 }
 
 #[test]
-fn the_most_expensive_cells_are_a_click_away() {
-    let mut harness = window(sample("museum.toml"));
-    let document = harness.state().document.clone().expect("a level");
-    let first = document.dearest[0];
-    let most = document.sees.iter().max().copied();
-    assert_eq!(Some(document.sees[first.0 as usize]), most);
-    harness.get_by_label(&format!("cell {}", first.0)).click();
-    harness.run_steps(3);
-    assert_eq!(harness.state().source, Some(first));
-    harness.get_by_label("Why").click();
-    harness.run_steps(3);
-    let (far, _) = document.farthest(first).expect("it sees something");
-    let text = format!("why cell {} sees cell {}", first.0, far.0);
-    harness.get_by_label(&text).click();
-    until(&mut harness, "an explanation", |app| {
-        app.explanation().is_some()
-    });
-}
-
-#[test]
-fn each_turn_of_a_knob_leaves_its_cost() {
-    let mut harness = window(sample("tiny.toml"));
-    harness.key_press(Key::Num2);
-    harness.get_by_label("Accuracy").click();
-    for samples in [1, 2] {
-        harness.state_mut().settings.samples = samples;
-        harness.step();
-        until(&mut harness, "the whole picture", |app| {
-            app.traced
-                .as_ref()
-                .is_some_and(|(_, t)| t.done && t.samples == samples)
-        });
-    }
-    harness.run_steps(2);
-    let app = harness.state();
-    let tried = app.costs.along(&app.knobs(), |k, o| k.samples = o.samples);
-    let samples: Vec<u32> = tried.iter().map(|(k, _)| k.samples).collect();
-    assert_eq!(samples, [1, 2]);
-    assert!(tried.iter().all(|(_, ms)| *ms > 0.0));
-    harness.get_by_label_contains("2: ");
-}
-
-#[test]
-fn a_path_is_walked_and_stops() {
-    let mut harness = window(sample("museum.toml"));
-    let before = harness.state().eye.eye;
-    harness.state_mut().play(None);
-    for _ in 0..20 {
-        harness.step();
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let play = harness.state().play.as_ref().expect("a tour");
-    assert!(play.running && play.at > 0.0);
-    harness.get_by_label("Pause").click();
-    harness.run_steps(3);
-    let at = harness.state().eye.eye;
-    harness.run_steps(5);
-    assert_eq!(harness.state().eye.eye, at);
-    assert_ne!(at, before);
-}
-
-#[test]
 fn the_window_does_not_wait_for_slow_levels() {
     let path = Path::new("/usr/share/games/doom/freedoom2.wad");
     if !path.exists() {
@@ -638,7 +373,7 @@ fn the_window_does_not_wait_for_slow_levels() {
     let mut harness = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .build_eframe(|context| {
-            let mut app = App::new(&context.egui_ctx, None, (loader(), VOICE));
+            let mut app = App::new(&context.egui_ctx, None, services());
             app.open(path.to_path_buf(), Some("MAP12".to_string()));
             app
         });
