@@ -133,7 +133,6 @@ mod tests {
     use crate::cells::Locator;
     use crate::geom::{Side, Vertex};
     use crate::level::read::read;
-    use crate::pvs::{Progress, sweep::sweep};
 
     /// The leaf that holds a point, by the guide alone; `None` on a line.
     fn leaf(guide: &Guide, p: &Vertex) -> Option<u32> {
@@ -174,9 +173,6 @@ mod tests {
         let guide = Guide::new(splits, Below::Split(0), 4).unwrap();
         let (graph, leaves) = subdivide(&level, &guide, &Options::default());
         graph.validate().unwrap();
-        sweep(&graph, &Progress::default())
-            .validate(&graph)
-            .unwrap();
         assert_eq!(leaves.len(), graph.cells.len());
         let locator = Locator::new(&graph);
         let mut met = [0; 4];

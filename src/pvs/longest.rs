@@ -74,7 +74,7 @@ pub fn longest(graph: &CellGraph) -> Longest {
             };
             fan.walls(stretches);
             match group.span {
-                Span::Simple => fan.from_vertex(stretches),
+                Span::Simple => fan.line_from(stretches),
                 _ => (fan.longest(stretches), fan.farthest(stretches)),
             }
         })
@@ -218,7 +218,7 @@ impl Fan<'_> {
     }
 
     /// In a group of at most a half turn: the longest line from the vertex, which all its cells see.
-    fn from_vertex(&self, stretches: &[Stretch]) -> (Option<Line>, Vec<Line>) {
+    fn line_from(&self, stretches: &[Stretch]) -> (Option<Line>, Vec<Line>) {
         let origin = self.origin();
         let ends = stretches.iter().flat_map(|s| {
             let hit = |ray| (self.hit(s, ray, false), s);

@@ -5,8 +5,8 @@
 //! cells' visible sets the relation between subsectors. A subsector sees another if any cell of the
 //! one sees any cell of the other.
 //!
-//! A subsector is the place to which the tree leads, exactly. But node builders decide with tolerances
-//! (glbsp: a 64th of a unit): a wall that all but lies on a partition line may have been given to the
+//! A subsector is the place to which the tree leads, exactly. But node builders round and compare
+//! loosely (glbsp: to a 64th of a unit): a wall that all but lies on a partition line may have been given to the
 //! subsector beyond that line. So that such a wall is drawn wherever it is seen, the cell in front of
 //! it counts for both: for the leaf in which it lies, and for the subsector whose seg the wall is. Where
 //! the builder was right, as nearly everywhere, that is the same. The corners that builders round, to

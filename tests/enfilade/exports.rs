@@ -184,7 +184,8 @@ fn every_format_takes_levels_maps_and_pvs_files() {
             let done = enfilade(&["export", format, from, "-q", "-o", &to]);
             assert!(done.status.success(), "{format} of {from}: {done:?}");
             assert!(done.stderr.is_empty(), "{format} of {from}: {done:?}");
-            assert!(fs::metadata(&to).unwrap().len() > 20, "{format} of {from}");
+            // The least: a PRT1 file of two cells without a portal.
+            assert!(fs::metadata(&to).unwrap().len() >= 9, "{format} of {from}");
             let piped = enfilade(&["export", format, from, "-q", "-o", "-"]);
             if format != "json" {
                 // JSON tells how long it took.

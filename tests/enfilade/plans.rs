@@ -257,7 +257,7 @@ fn options_for_drawings() {
         &["--unit", "mm, cm"],
     );
     refused(&["check", &office, "--layer", "roof=A"], &["wall=A-WALL*"]);
-    refused(&["check", &office, "--close-gaps", "-1"], &["--close-gaps"]);
+    refused(&["check", &office, "--close-gaps=-1"], &["--close-gaps"]);
     refused(
         &["check", &level_path("tiny.toml"), "--unit", "m"],
         &["tiny.toml", "--unit"],

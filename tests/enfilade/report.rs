@@ -373,6 +373,7 @@ fn sightlines_of_the_page_are_free() {
             "const l = enfilade.witness({a}, {b}); return l && [l.from, l.to]"
         ));
         if line.is_null() {
+            println!("no line from {a} to {b}");
             continue;
         }
         found += 1;

@@ -303,7 +303,7 @@ fn names(
             };
             in_box && east() % 2 == 1
         };
-        let Some(room) = rooms.iter().position(|face| around(face)) else {
+        let Some(room) = rooms.iter().position(around) else {
             continue;
         };
         let name = &mut names[room];

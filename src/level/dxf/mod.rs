@@ -254,7 +254,7 @@ impl<'a> Reader<'a> {
     fn next(&mut self) -> Result<Option<Pair<'a>>, DxfError> {
         match self.peeked.take() {
             Some(pair) => Ok(Some(pair)),
-            None => self.pairs.next(),
+            None => self.pairs.next_pair(),
         }
     }
 

@@ -141,7 +141,7 @@ impl<'a> Pairs<'a> {
     }
 
     /// The next pair; none at the end of the file.
-    pub fn next(&mut self) -> Result<Option<Pair<'a>>, DxfError> {
+    pub fn next_pair(&mut self) -> Result<Option<Pair<'a>>, DxfError> {
         if self.binary {
             self.next_binary()
         } else {

@@ -7,7 +7,8 @@ use svgtypes::{PathParser, PathSegment};
 
 use super::super::drawing::collect::{Outline, Part};
 use super::super::drawing::flatten::{Arc, MOST_PIECES};
-use super::{SvgError, number, wrong};
+use super::SvgError;
+use super::attributes::{number, wrong};
 
 /// Whether an element is drawn with lines.
 pub(super) fn is_shape(node: &Node) -> bool {

@@ -39,6 +39,7 @@ pub fn facts(report: &Report, sheet: &Sheet) -> String {
         "edges": costs.graph.edges.len(),
         "vertices": costs.graph.vertices.len(),
         "unit": wording::unit(costs.level),
+        "step": costs.graph.grid.step.length(),
         "scale": sheet.scale,
         "corner": sheet.corner.to_array(),
         "size": sheet.size.to_array(),

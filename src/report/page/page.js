@@ -83,12 +83,13 @@
   // through chains of portals, depth first, among cells that both see. Of the lines that stab a chain the
   // two extreme ones are kept: `ccw` from a right end to a later left end, `cw` from a left end to a right.
   const extent = Math.max(...facts.size) / facts.scale;
-  const EPS = 1e-9 * extent;
+  const EPS = 1e-9 * extent, LEAST = Math.max(facts.step / 2 ** 18, 1e-12 * (extent + Math.hypot(...facts.corner)));
   const through = (p, q) => {
     const dx = q[0] - p[0], dy = q[1] - p[1], l = Math.hypot(dx, dy);
     return [-dy / l, dx / l, (dy * p[0] - dx * p[1]) / l];
   };
   const value = (s, p) => s[0] * p[0] + s[1] * p[1] + s[2];
+  const holds = (c, p) => edges(c).every((e) => value(through(start(e), end(e)), p) > LEAST);
   const points = (c) => {
     const m = middle(c), corners = edges(c).map(start), every = Math.ceil(corners.length / 6);
     return [m, ...corners.filter((_, k) => k % every === 0).map((p) => [m[0] + 0.8 * (p[0] - m[0]), m[1] + 0.8 * (p[1] - m[1])])];
@@ -175,11 +176,13 @@
     return met.length === 2 ? [(met[0][0] + met[1][0]) / 2, (met[0][1] + met[1][1]) / 2] : null;
   };
   // Walks along a segment from cell to cell; only portals may be crossed, and those between their ends.
+  // Nearer than `LEAST` to an end, or to an edge of the cells at its own ends, it might after rounding be
+  // on the other side: no such line is shown.
   function check(a, b, from, to) {
-    if (!contains(a, from) || !contains(b, to)) return null;
+    if (!holds(a, from) || !holds(b, to)) return null;
     let cell = a, entry = -1, room = Infinity;
     for (let k = 0; k < 4000; k++) {
-      if (cell === b) return { from, to, room };
+      if (cell === b) return room > LEAST ? { from, to, room } : null;
       let exit = -1;
       for (const e of edges(cell)) {
         if (e === entry) continue;
