@@ -151,15 +151,17 @@
       }
       return check(a, b, ma, mb);
     }
-    // Every stabbing line is a sum of lines through a left and a right end that no portal stops; the sum
-    // of all of them touches nothing.
+    // Every stabbing line is a sum of lines through two ends that no portal stops; the sum of all of them
+    // touches nothing. (Not only lines through a left and a right end: those may all touch the same end.)
     const s = [0, 0, 0];
     const add = (p, q) => {
       if (p[0] === q[0] && p[1] === q[1]) return;
       const line = through(p, q);
       if (lefts.every((x) => value(line, x) > -EPS) && rights.every((x) => value(line, x) < EPS)) line.forEach((x, k) => { s[k] += x; });
     };
-    for (let j = 0; j < lefts.length; j++) for (let i = 0; i < j; i++) { add(rights[i], lefts[j]); add(lefts[i], rights[j]); }
+    for (let j = 0; j < lefts.length; j++) for (let i = 0; i < j; i++) {
+      for (const p of [rights[i], lefts[i]]) for (const q of [rights[j], lefts[j]]) add(p, q);
+    }
     const l = Math.hypot(s[0], s[1]);
     if (!(l > 0)) return null;
     const unit = s.map((x) => x / l);
