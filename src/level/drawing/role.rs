@@ -260,13 +260,11 @@ mod tests {
         assert_eq!(role("S-COLS"), Some(Role::Column));
         assert_eq!(role("I-FURN"), Some(Role::Furniture));
         // Layers of our own exports; a porta is a door, a portal of cells is none.
-        for own in ["PORTALS", "CELLS", "STEPS", "ARCHWAYS"] {
+        for own in ["PORTALS", "CELLS", "STEPS"] {
             assert_eq!(role(own), Some(Role::Ignored), "{own}");
         }
         assert_eq!(role("A-PORTA"), Some(Role::Door));
         assert_eq!(role("0"), None);
-        // Our own drawings.
-        assert_eq!(role("PORTALS"), Some(Role::Ignored));
         assert_eq!(role("ARCHWAYS"), Some(Role::Archway));
         assert_eq!(role("COLUMNS"), Some(Role::Column));
         let rules = ["wall=0".parse().unwrap(), "ignored=*WALL*".parse().unwrap()];
