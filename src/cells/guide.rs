@@ -14,7 +14,7 @@ use crate::level::Level;
 /// Part of the plan, as a guide has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Below {
-    /// Index into [`Guide::splits`].
+    /// One of the splits that [`Guide::new`] was given, by its index.
     Split(u32),
     /// A leaf, by its number.
     Leaf(u32),

@@ -32,7 +32,7 @@
 //! ```
 //!
 //! `examples/cull.rs` walks along a path and culls a scene in each frame. Which floors, walls and
-//! things belong to which cell is the engine's to know: [`CellGraph`](crate::cells::CellGraph) says
+//! things belong to which cell is the engine's to know: [`CellGraph`] says
 //! where a cell lies, and which sector and walls of the level it has.
 //!
 //! An eye that is in no cell (`None`, [`LookError::Outside`]) has left the level, say by a step into a

@@ -47,7 +47,7 @@ pub fn write(
     write_known(out, &info, &level.sectors, graph, pvs, seconds)
 }
 
-/// As [`write`], of what a `.pvs` file says of its level; without the sectors, cells have no heights.
+/// As [`write()`], of what a `.pvs` file says of its level; without the sectors, cells have no heights.
 ///
 /// # Errors
 /// Those of `out`.

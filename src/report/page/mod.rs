@@ -3,7 +3,7 @@
 //! In: [`Costs`], with what else the command found out. Out: the page. Its tables and its plan are there
 //! without the script, for print; the script ([`page.js`](https://developer.mozilla.org/docs/Web/SVG))
 //! lets one choose places on the plan, and computes nothing but what it draws: who sees whom stands in
-//! the page's data ([`data`]).
+//! the page's data (`data.rs`).
 
 mod data;
 mod plan;
