@@ -9,11 +9,12 @@
 //! There are no lamps and no shadows; for those there is the ray tracer.
 
 use glam::{DVec2, DVec3};
+use rustc_hash::FxHashMap;
 
 use super::polygon::Polygons;
 use crate::cells::CellId;
 use crate::trace::dress::{SKY_TURN, Wear};
-use crate::trace::image::to_srgb;
+use crate::trace::image::{to_linear, to_srgb};
 use crate::trace::picture::tone;
 use crate::trace::space::{Pane, Surface};
 use crate::trace::world::{MaterialIndex, World};
@@ -148,9 +149,9 @@ impl Coats {
         let exposure = if world.wardrobe.is_some() { DOOM } else { 1.0 };
         let mut textures: Vec<Texture> = Vec::new();
         if let Some(wardrobe) = &world.wardrobe {
+            let linear: Vec<f64> = (0..=255).map(to_linear).collect();
             let opaque = |p: &[u8; 4]| {
-                (p[3] > 0)
-                    .then(|| DVec3::from([p[0], p[1], p[2]].map(crate::trace::image::to_linear)))
+                (p[3] > 0).then(|| DVec3::from([p[0], p[1], p[2]].map(|c| linear[usize::from(c)])))
             };
             textures.extend(wardrobe.pictures().iter().map(|picture| {
                 let texels = picture.pixels.iter().map(opaque);
@@ -269,11 +270,16 @@ impl Texture {
         exposure: f64,
     ) -> Self {
         let (mut sum, mut n) = (DVec3::ZERO, 0.0);
+        // Pictures have far fewer colours than texels, and encoding one takes long.
+        let mut packed: FxHashMap<[u64; 3], Packed> = FxHashMap::default();
         let texels = pixels.map(|pixel| {
             pixel.map_or(0, |colour| {
                 sum += colour;
                 n += 1.0;
-                pack(colour * exposure)
+                let bits = colour.to_array().map(f64::to_bits);
+                *packed
+                    .entry(bits)
+                    .or_insert_with(|| pack(colour * exposure))
             })
         });
         let texels = texels.collect();
