@@ -35,7 +35,7 @@ const MOST_LOOKS: f64 = 4000.0;
 /// Seconds whose gains count as one moment.
 const TOGETHER: f64 = 1.5;
 
-/// The level as the preview paints it; `None` where it has no heights, or nothing orders its cells.
+/// The level as the preview paints it, with its doors open; `None` where it has no heights, or nothing orders its cells.
 pub fn world(
     path: &std::path::Path,
     source: &Source,
@@ -47,7 +47,9 @@ pub fn world(
         return Ok(None);
     }
     let files = files::read(path, source, level)?;
-    Ok(World::new(level, graph, pvs, &files, AMBIENT).ok())
+    // Nobody stands in a closed door.
+    let open = opened(level, &Person::of_unit(&level.unit));
+    Ok(World::new(&open, graph, pvs, &files, AMBIENT).ok())
 }
 
 /// Pictures from the dearest places, along their longest sightlines.

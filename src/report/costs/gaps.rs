@@ -129,7 +129,8 @@ pub fn of(
     for (rank, &i) in (0..).zip(&order) {
         place[i] = rank;
     }
-    let chosen = dearest(pvs, seen, main_measure(own), LISTED);
+    let places = graph.cell_ids().filter(|&c| has_height(level, graph, c));
+    let chosen = dearest(pvs, seen, places, main_measure(own), LISTED);
     let one = |b: usize| [own[b].polygons, own[b].area];
     let worst = chosen.iter().map(|&cell| {
         let mut openings: Vec<Hides> = common
@@ -183,12 +184,28 @@ pub fn put_walls(graph: &CellGraph, pvs: &Pvs, gaps: &mut [Gap], length: f64) {
     }
 }
 
-/// The dearest cells. Of those that see nearly the same as one before, none, as long as there are
+/// Whether somebody may ever stand in a cell: where a ceiling lies on the floor and never moves (in Doom
+/// maps often the rim of the sky), nobody does.
+fn has_height(level: &Level, graph: &CellGraph, cell: CellId) -> bool {
+    let sector = graph.cell(cell).sector;
+    sector.is_none_or(|s| {
+        let sector = &level.sectors[s.0 as usize];
+        sector.ceiling.high > sector.floor.low
+    })
+}
+
+/// The dearest of some cells. Of those that see nearly the same as one before, none, as long as there are
 /// others: ten cells of one hall are one answer.
-fn dearest(pvs: &Pvs, seen: &[Tally], measure: Measure, n: usize) -> Vec<CellId> {
+fn dearest(
+    pvs: &Pvs,
+    seen: &[Tally],
+    places: impl Iterator<Item = CellId>,
+    measure: Measure,
+    n: usize,
+) -> Vec<CellId> {
     /// Two sets are nearly the same if more than four fifths of both together are in both.
     const SAME: f64 = 0.8;
-    let mut order: Vec<usize> = (0..seen.len()).collect();
+    let mut order: Vec<usize> = places.map(|c| c.0 as usize).collect();
     order.sort_by(|&a, &b| seen[b].get(measure).total_cmp(&seen[a].get(measure)));
     let mut chosen: Vec<usize> = Vec::new();
     for &cell in &order {

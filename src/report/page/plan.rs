@@ -10,6 +10,7 @@ use crate::cells::{CellGraph, CellId, EdgeId};
 use crate::geom::Vertex;
 use crate::report::costs::baseline::Comparison;
 use crate::report::costs::{Costs, Measure};
+use crate::report::plan::names::labels;
 use crate::report::plan::{Line, line_of};
 use crate::report::wording;
 
@@ -161,6 +162,7 @@ pub fn section(report: &Report, sheet: &Sheet) -> Markup {
                         path id="source" {}
                         path id="second" {}
                         (lines(costs, sheet))
+                        (names(costs, sheet))
                         path id="gap" {}
                         path id="walk" {}
                         path id="blocked" {}
@@ -233,6 +235,25 @@ fn lines(costs: &Costs, sheet: &Sheet) -> Markup {
     }
     html! {
         @for (class, path) in &paths { path class=(class) d=(PreEscaped(path)) {} }
+    }
+}
+
+/// Names of rooms, where they fit.
+fn names(costs: &Costs, sheet: &Sheet) -> Markup {
+    let graph = costs.graph;
+    let at = |v| sheet.at(graph.vertices.exact(v).to_level(&graph.grid));
+    let labels = labels(costs.level, graph, at, [DVec2::ZERO, sheet.size], &[]);
+    let tenth = |x: f64| (x * 10.0).round() / 10.0;
+    html! {
+        g id="names" aria-hidden="true" {
+            @for (_, label) in &labels {
+                @let [x, y] = label.at.to_array().map(tenth);
+                @let turn = label.upright.then(|| format!("rotate(-90 {x} {y})"));
+                @for (row, at) in label.baselines() {
+                    text x=(tenth(at.x)) y=(tenth(at.y)) font-size=(label.size) transform=[&turn] { (row) }
+                }
+            }
+        }
     }
 }
 

@@ -274,7 +274,8 @@ pub fn worst(report: &Report) -> Markup {
     html! {
         section id="worst" aria-labelledby="worst-title" {
             h2 id="worst-title" { "The dearest places" }
-            p { "By " (unit) ". Of places that see nearly the same, only the dearest is listed. Under each: the openings "
+            p { "By " (unit) ". Of places that see nearly the same, only the dearest is listed, and none where nobody "
+                "can stand. Under each: the openings "
                 "through which alone it sees most, and what would disappear from its view if that opening were walled up." }
             ol.places { @for (i, place) in costs.worst.iter().enumerate() {
                 (dear(report, place, report.thumbnails.get(i).and_then(|t| t.as_deref())))

@@ -11,7 +11,7 @@ mod eye;
 mod layers;
 mod legend;
 mod marks;
-mod names;
+pub(super) mod names;
 mod palette;
 mod sheet;
 

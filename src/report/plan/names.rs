@@ -5,7 +5,8 @@ use svg::node::element::Group;
 
 use super::sheet::{Sheet, short};
 use super::{text, text_width};
-use crate::cells::{CellGraph, CellId, EdgeId};
+use crate::cells::{CellGraph, EdgeId};
+use crate::geom::VertexId;
 use crate::level::Level;
 
 /// Sizes of letters, from the one that looks best to the smallest that can be read.
@@ -34,54 +35,68 @@ pub fn beside(
     off: &[[DVec2; 2]],
 ) -> Group {
     let mut group = Group::new().set("id", "names").set("text-anchor", "middle");
-    if level.sectors.iter().all(|s| s.name.is_none()) {
-        return group;
-    }
-    // Everything that a name should not lie on: all but the borders that the subdivision made.
-    let mut lines: Vec<[DVec2; 2]> = off.to_vec();
     let [corner, size] = sheet.frame();
-    let shown = Frame {
-        low: corner,
-        high: corner + size,
-    };
-    for id in (0..graph.edges.len() as u32).map(EdgeId) {
-        if graph.edge(id).twin().is_none() || graph.edge(id).wall().is_some() {
-            lines.push([graph.edge(id).origin, graph.end(id)].map(|v| sheet.vertex(graph, v)));
-        }
-    }
-    let mut taken: Vec<Frame> = Vec::new();
-    for (i, sector) in level.sectors.iter().enumerate() {
-        let Some(name) = &sector.name else { continue };
-        let cells: Vec<Vec<DVec2>> = graph
-            .cell_ids()
-            .filter(|&c| graph.cell(c).sector.is_some_and(|s| s.0 as usize == i))
-            .map(|c| corners(graph, sheet, c))
-            .collect();
-        if let Some(placed) = place(name, &cells, &lines, &taken, &shown) {
-            taken.push(placed.frame());
-            group = placed.draw(group, colours.get(i).copied().unwrap_or("white"));
-        }
+    let shown = [corner, corner + size];
+    for (i, label) in labels(level, graph, |v| sheet.vertex(graph, v), shown, off) {
+        group = label.draw(group, colours.get(i).copied().unwrap_or("white"));
     }
     group
 }
 
-fn corners(graph: &CellGraph, sheet: &Sheet, cell: CellId) -> Vec<DVec2> {
-    graph
-        .polygon(cell)
-        .into_iter()
-        .map(|v| sheet.vertex(graph, v))
-        .collect()
+/// The names of rooms and zones for which there is room, each with the index of its sector. `at` tells
+/// where a vertex lies on the page, `shown` is its part that is shown, by its least and its greatest
+/// corner; `off` are lines on which no name should lie.
+pub fn labels(
+    level: &Level,
+    graph: &CellGraph,
+    at: impl Fn(VertexId) -> DVec2,
+    [low, high]: [DVec2; 2],
+    off: &[[DVec2; 2]],
+) -> Vec<(usize, Label)> {
+    let mut labels: Vec<(usize, Label)> = Vec::new();
+    if level.sectors.iter().all(|s| s.name.is_none()) {
+        return labels;
+    }
+    // Everything that a name should not lie on: all but the borders that the subdivision made.
+    let mut lines: Vec<[DVec2; 2]> = off.to_vec();
+    for id in (0..graph.edges.len() as u32).map(EdgeId) {
+        if graph.edge(id).twin().is_none() || graph.edge(id).wall().is_some() {
+            lines.push([graph.edge(id).origin, graph.end(id)].map(&at));
+        }
+    }
+    let mut cells: Vec<Vec<Vec<DVec2>>> = vec![Vec::new(); level.sectors.len()];
+    for cell in graph.cell_ids() {
+        if let Some(sector) = graph.cell(cell).sector {
+            let corners = graph.polygon(cell).into_iter().map(&at);
+            cells[sector.0 as usize].push(corners.collect());
+        }
+    }
+    let shown = Frame { low, high };
+    let mut taken: Vec<Frame> = Vec::new();
+    for (i, sector) in level.sectors.iter().enumerate() {
+        let Some(name) = &sector.name else { continue };
+        if let Some(label) = place(name, &cells[i], &lines, &taken, &shown) {
+            taken.push(label.frame());
+            labels.push((i, label));
+        }
+    }
+    labels
 }
 
 /// A name in its place.
-struct Placed {
-    rows: Vec<String>,
-    size: f64,
-    upright: bool,
-    at: DVec2,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// In one row or in two.
+    pub rows: Vec<String>,
+    /// Size of the letters.
+    pub size: f64,
+    /// Whether it is turned by a quarter, counterclockwise.
+    pub upright: bool,
+    /// Its middle.
+    pub at: DVec2,
 }
 
-impl Placed {
+impl Label {
     fn frame(&self) -> Frame {
         let width = self
             .rows
@@ -97,12 +112,19 @@ impl Placed {
         }
     }
 
-    fn draw(&self, mut group: Group, ground: &str) -> Group {
+    /// The rows, and the middle of each one's baseline before the whole is turned.
+    pub fn baselines(&self) -> impl Iterator<Item = (&str, DVec2)> {
         let n = self.rows.len() as f64;
-        for (i, row) in self.rows.iter().enumerate() {
+        (0..).zip(&self.rows).map(move |(i, row)| {
             // Capitals are about 0.7 of the size high.
-            let down = self.size * (0.35 + 1.15 * (i as f64 - (n - 1.0) / 2.0));
-            let mut row = text(row, self.at.x, self.at.y + down, self.size)
+            let down = self.size * (0.35 + 1.15 * (f64::from(i) - (n - 1.0) / 2.0));
+            (row.as_str(), self.at + DVec2::new(0.0, down))
+        })
+    }
+
+    fn draw(&self, mut group: Group, ground: &str) -> Group {
+        for (row, at) in self.baselines() {
+            let mut row = text(row, at.x, at.y, self.size)
                 .set("stroke", ground.to_string())
                 .set("stroke-width", 3)
                 .set("stroke-linejoin", "round")
@@ -125,7 +147,7 @@ fn place(
     lines: &[[DVec2; 2]],
     taken: &[Frame],
     shown: &Frame,
-) -> Option<Placed> {
+) -> Option<Label> {
     let area: f64 = cells.iter().map(|c| polygon_area(c)).sum();
     let middle = cells
         .iter()
@@ -160,19 +182,19 @@ fn place(
     for upright in [false, true] {
         for (size, rows) in SIZES.iter().flat_map(|&s| rows(name).map(move |r| (s, r))) {
             for &at in &spots {
-                let placed = Placed {
+                let label = Label {
                     rows: rows.clone(),
                     size,
                     upright,
                     at,
                 };
-                let frame = placed.frame();
+                let frame = label.frame();
                 let free = frame.low.cmpge(shown.low).all()
                     && frame.high.cmple(shown.high).all()
                     && !lines.iter().any(|l| meets(l, &frame))
                     && !taken.iter().any(|t| overlap(t, &frame));
                 if free {
-                    return Some(placed);
+                    return Some(label);
                 }
             }
         }
