@@ -4,7 +4,8 @@
 //! and edges. The corners of a cell stand eight by eight in two cache lines ([`Block`]), so that a ray
 //! asks eight at once on which side it passes; the signs become bits of a mask, and the edge through
 //! which the ray leaves is found by shifting ([`Turn`]). An edge keeps the heights between which a
-//! ray goes on, and where ([`Gate`]).
+//! ray goes on, and where ([`Gate`]). For rays without order all this stands once more in f32
+//! ([`Side`]).
 
 use std::hint::select_unpredictable;
 
@@ -23,6 +24,13 @@ pub struct Layout {
     pub gates: Vec<Gate>,
     /// The greatest coordinate of any corner.
     pub extent: f64,
+    /// The greatest height of any gate, without infinite ones.
+    pub rise: f64,
+    /// Cell after cell, the sides of each twice over.
+    pub sides: Vec<Side>,
+    /// The sides that a ray asks, by the edge through which it came; then by the cell in which it
+    /// starts. The corner of the last is the end of the edge before.
+    pub asked: Vec<[u32; 2]>,
 }
 
 /// Where a cell's corners and edges are.
@@ -62,6 +70,25 @@ pub struct Gate {
     pub twin: u32,
 }
 
+/// A corner and the edge from it, rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct Side {
+    /// The corner.
+    pub at: [f32; 2],
+    /// The edge's unit normal, out of the cell.
+    pub normal: [f32; 2],
+    /// Its product with the corner.
+    pub offset: f32,
+    /// As that of the [`Gate`].
+    pub low: f32,
+    /// As that of the [`Gate`].
+    pub high: f32,
+    /// As that of the [`Gate`].
+    pub twin: u32,
+    /// The number of the edge.
+    pub edge: u32,
+}
+
 /// Stands for no entry: the ray starts in the cell.
 pub const INSIDE: u32 = u32::MAX;
 
@@ -91,7 +118,7 @@ impl Layout {
             }
             room
         });
-        let rooms = rooms.collect();
+        let rooms: Vec<Room> = rooms.collect();
         let gates = edges.iter().map(|edge| {
             let own = &cells[edge.cell as usize];
             if edge.twin == WALL {
@@ -116,10 +143,31 @@ impl Layout {
                 twin: edge.twin,
             }
         });
+        let gates: Vec<Gate> = gates.collect();
+        let heights = gates.iter().flat_map(|gate| [gate.low, gate.high]);
+        let rise = heights
+            .filter(|z| z.is_finite())
+            .fold(0.0, |most: f64, z| most.max(z.abs()));
+        let mut sides = Vec::with_capacity(2 * edges.len());
+        let mut asked = vec![[0; 2]; edges.len() + cells.len()];
+        for (room, id) in rooms.iter().zip(edges.len()..) {
+            let base = sides.len() as u32;
+            let own = room.first..room.first + room.n;
+            for e in own.clone().chain(own.clone()) {
+                sides.push(Side::new(vertices, edges, &gates, e));
+            }
+            for (e, k) in own.zip(1..) {
+                asked[e as usize] = [base + k, base + k + room.n];
+            }
+            asked[id] = [base, base + room.n + 1];
+        }
         Self {
             rooms,
             blocks,
-            gates: gates.collect(),
+            gates,
+            rise,
+            sides,
+            asked,
             extent: vertices
                 .iter()
                 .fold(0.0, |most, v| v.abs().max_element().max(most)),
@@ -195,6 +243,23 @@ impl Turn {
     pub fn back(self, edge: u32) -> u32 {
         let at = edge + self.by;
         select_unpredictable(at >= self.n, at.wrapping_sub(self.n), at)
+    }
+}
+
+impl Side {
+    fn new(vertices: &[DVec2], edges: &[Border], gates: &[Gate], e: u32) -> Self {
+        let (edge, gate) = (&edges[e as usize], &gates[e as usize]);
+        let (a, b) = (vertices[edge.from as usize], vertices[edge.to as usize]);
+        let normal = -(b - a).normalize().perp();
+        Self {
+            at: a.as_vec2().to_array(),
+            normal: normal.as_vec2().to_array(),
+            offset: normal.dot(a) as f32,
+            low: gate.low as f32,
+            high: gate.high as f32,
+            twin: gate.twin,
+            edge: e,
+        }
     }
 }
 
