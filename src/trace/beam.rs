@@ -182,6 +182,7 @@ fn from_a_point<S: Simd>(
         mask: Mask::ALL,
         cell: start.0,
         entry: INSIDE,
+        parted: 0,
     };
     engine::run(simd, space, &rays, start, &mut |area, mask, end| {
         let met = match end {

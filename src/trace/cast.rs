@@ -11,6 +11,11 @@
 //! nothing is compared with a small number. Both cells at an edge ask the same two corners in the
 //! same way, so a ray that one cell lets out the other lets in: there are no leaks at edges.
 //!
+//! Where an edge was cut, a cell has corners in line with each other. A ray that passes those no farther
+//! away than roundings go may find them on any side, and so several exits; the first may lead back to
+//! where it came from, round and round. Whoever comes through an edge a second time takes from then on
+//! the exit that lies farthest ahead.
+//!
 //! O(edges of the cells on the way).
 
 use super::ray::Ray;
@@ -120,6 +125,23 @@ impl<'a> Course<'a> {
         None
     }
 
+    /// As [`Course::exit`]; of several exits, which rounding makes, the one farthest ahead.
+    #[cold]
+    fn farthest_exit(&self, cell: &Chamber, entry: Option<u32>) -> Option<Crossing> {
+        let ahead = |v: u32| {
+            let direction = self.ray.direction.truncate();
+            direction.dot(self.space.vertex(v) - self.ray.origin.truncate())
+        };
+        let edges = (cell.first..cell.past).filter(|&e| Some(e) != entry);
+        let exits = edges.filter_map(|e| {
+            let border = self.space.edge(e);
+            let far = ahead(border.from).max(ahead(border.to));
+            Some((far, self.leaves(e)?))
+        });
+        let farthest = exits.max_by(|a, b| a.0.total_cmp(&b.0));
+        farthest.map(|(_, exit)| exit)
+    }
+
     /// Where a ray ends that never leaves its cell sideways.
     #[inline]
     pub fn z_at_infinity(&self) -> f64 {
@@ -178,6 +200,29 @@ pub(super) fn edge_of(surface: Surface) -> Option<u32> {
     }
 }
 
+/// The edges through which a ray has come: whether one comes again. Of them one is kept, ever more
+/// rarely another (Brent's cycle detection), so a circle is noticed after at most three times as many
+/// steps as lead into it and around it.
+pub(super) struct Trail {
+    kept: u32,
+    n: u32,
+}
+
+impl Trail {
+    pub const NEW: Self = Self { kept: WALL, n: 0 };
+
+    /// The ray comes through an edge; true if it did so before.
+    #[inline]
+    pub fn again(&mut self, edge: u32) -> bool {
+        let again = edge == self.kept;
+        self.n += 1;
+        if self.n.is_power_of_two() {
+            self.kept = edge;
+        }
+        again
+    }
+}
+
 /// What the ray meets first, walking from cell to cell; `None` if it is still under way at `limit`
 /// (in multiples of its direction), or leaves a level without heights upwards or downwards.
 /// `visit` is told every cell on the way, with the stretch of the ray in it (up to the exit), and
@@ -217,9 +262,14 @@ fn go(
 ) -> Option<Met> {
     let course = Course::new(space, *ray);
     let mut id = start;
+    let (mut trail, mut circles) = (Trail::NEW, false);
     loop {
         let cell = space.cell(id.0);
-        let exit = course.exit(cell, entry);
+        let exit = if circles {
+            course.farthest_exit(cell, entry)
+        } else {
+            course.exit(cell, entry)
+        };
         let z = match exit {
             Some(exit) => exit.z,
             // Straight up or down; or grazing the cell in a corner, where it ends.
@@ -249,6 +299,13 @@ fn go(
         }
         id = CellId(space.edge(border.twin).cell);
         entry = Some(border.twin);
+        if trail.again(border.twin) {
+            if circles {
+                // Lost among corners all of which lie within roundings of each other.
+                return None;
+            }
+            (trail, circles) = (Trail::NEW, true);
+        }
     }
 }
 

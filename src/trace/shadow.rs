@@ -21,7 +21,7 @@ use super::beam::area::{Area, Mask};
 use super::beam::depth::{self, Plane};
 use super::beam::engine::{self, At, Beam, End, Rays};
 use super::beam::{Bundle, Fan, Patch};
-use super::cast::{Place, edge_of, face};
+use super::cast::{Place, Trail, edge_of, face};
 use super::layout::INSIDE;
 use super::space::{Space, Surface};
 use crate::cells::CellId;
@@ -55,6 +55,7 @@ pub fn blocker(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> Option
         return Some(on);
     }
     let (layout, d, o) = (&space.layout, lamp.at - point, lamp.at.truncate());
+    let mut trail = Trail::NEW;
     while cell != lamp.cell.0 {
         let room = layout.room(cell);
         let (first, n) = match entry {
@@ -92,6 +93,10 @@ pub fn blocker(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> Option
             };
         }
         (cell, entry) = (gate.cell, gate.entry);
+        // In circles about a corner that it grazes (see [`super::cast`]).
+        if trail.again(gate.twin) {
+            return None;
+        }
     }
     None
 }
@@ -133,6 +138,7 @@ pub fn patch(
         mask: patch.mask,
         cell: cell.0,
         entry: edge_of(surface).map_or(INSIDE, |e| e - first),
+        parted: 0,
     };
     if is_behind(space, surface, cell.0, start.entry, lamp) {
         return out(start.area, start.mask, Some(surface));

@@ -76,6 +76,8 @@ pub struct At {
     pub cell: u32,
     /// The edge's place in the cell through which they came, or [`INSIDE`].
     pub entry: u32,
+    /// How many cells they have left ray by ray: if more than there are, they go in circles.
+    pub parted: u32,
 }
 
 /// What the rays of a rectangle do at the end of a cell.
@@ -120,7 +122,7 @@ pub fn run<S: Simd, R: Rays>(
             Fate::Ends(end) => out(at.area, at.mask, end),
             _ if at.area.is_window() => simd.vectorize(
                 #[inline(always)]
-                || window(simd, space, rays, &at, &mut pending, out),
+                || window(simd, space, rays, &start, &at, &mut pending, out),
             ),
             _ => {
                 let [one, two] = at.area.halves();

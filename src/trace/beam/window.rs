@@ -101,6 +101,7 @@ pub(super) fn window<S: Simd, R: Rays>(
     simd: S,
     space: &Space,
     rays: &R,
+    start: &At,
     at: &At,
     pending: &mut SmallVec<[At; 32]>,
     out: &mut impl FnMut(Area, Mask, End),
@@ -117,6 +118,10 @@ pub(super) fn window<S: Simd, R: Rays>(
     };
     if R::ARRIVE && at.cell == rays.destination() {
         return tell(under_way, End::Arrives);
+    }
+    if at.parted as usize > space.cells.len() {
+        // Single rays get out of their circles: from where they started, so that they go the same way.
+        return singly(rays, &area, start, under_way, &mut tell);
     }
     let zero = f64x4::splat(simd, 0.0);
     let mut window = Window {
@@ -157,6 +162,7 @@ pub(super) fn window<S: Simd, R: Rays>(
                         mask,
                         cell,
                         entry,
+                        parted: at.parted + 1,
                     });
                 }
                 if stopped != 0 {
@@ -171,11 +177,21 @@ pub(super) fn window<S: Simd, R: Rays>(
         (edge, a, right) = (next, b, to_the_right);
     }
     // Straight up or down, or grazing the cell in a corner.
-    let mut rest = under_way;
+    singly(rays, &area, at, under_way, &mut tell);
+}
+
+/// Tells how some rays of a window end, each asked by itself from some place on.
+fn singly<R: Rays>(
+    rays: &R,
+    window: &Area,
+    from: &At,
+    mut rest: u64,
+    tell: &mut impl FnMut(u64, End),
+) {
     while rest != 0 {
         let bit = rest.trailing_zeros();
-        let (x, y) = (area.x.0 + bit % 8, area.y.0 + bit / 8);
-        tell(1 << bit, rays.single(x, y, at.cell, at.entry));
+        let (x, y) = (window.x.0 + bit % 8, window.y.0 + bit / 8);
+        tell(1 << bit, rays.single(x, y, from.cell, from.entry));
         rest &= rest - 1;
     }
 }
