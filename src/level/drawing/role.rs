@@ -81,9 +81,6 @@ const WORDS: [(Role, &[&str]); 7] = [
     (
         Role::Ignored,
         &[
-            "PORTALS",
-            "CELLS",
-            "STEPS",
             "*DIM*",
             "*ANNO*",
             "*TEXT*",
@@ -103,7 +100,6 @@ const WORDS: [(Role, &[&str]); 7] = [
             "*PORTAL*",
             "CELLS",
             "STEPS",
-            "ARCHWAYS",
             "*CEIL*",
             "*SYMB*",
             "*LEGEND*",

@@ -96,6 +96,12 @@ pub fn draw(file: &File, unit: &Unit, options: &DrawingOptions) -> Result<Drawn,
         return Err(too_much(last.at));
     }
     let mut collected = pen.out.finish(unit);
+    let missing = pen.missing.iter();
+    collected
+        .others
+        .extend(missing.map(|(name, p)| {
+            format!("{} × the block '{name}', which is not in the file", p.len())
+        }));
     collected.findings.extend(left_out(
         "missing-block",
         Severity::Warning,

@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn marks_stand_where_the_findings_are() {
         // The grid's origin is in the middle of the plan, and its steps are no metres.
-        let text = "[[room]]\nrect = [10.25, 20.5, 14.25, 24.5]\n";
+        let text = "[[room]]\nname = \"A\"\nrect = [10.25, 20.5, 14.25, 24.5]\n";
         let level = read(text.into(), "room.toml", None).unwrap();
         let graph = subdivide(&level, &Options::default());
         let corners = [[10.25, 20.5], [14.25, 24.5], [10.25, 24.5]];
