@@ -111,6 +111,10 @@ pub struct Collected {
     pub findings: Vec<Finding>,
     /// What has no name that tells, by layer: for the message where there are no walls.
     pub layers: Vec<String>,
+    /// What else is drawn, and was left out, by kind: for the same message.
+    pub others: Vec<String>,
+    /// Whether everything without a telling name was taken for walls.
+    pub unnamed: bool,
 }
 
 fn at(p: DVec2) -> Place {
@@ -202,6 +206,10 @@ impl Collector {
     fn flatten(&mut self, outline: &Outline) -> Vec<(DVec2, bool)> {
         let mut points = vec![(outline.start, true)];
         for part in &outline.parts {
+            // There is too much already, whatever follows.
+            if self.points + points.len() > MOST_POINTS {
+                break;
+            }
             let cut = match part {
                 Part::Line(to) => vec![*to],
                 Part::Arc(arc, end) => {
@@ -264,6 +272,9 @@ impl Collector {
         let layers = (self.unknown.iter())
             .map(|(name, places)| format!("{name} ({})", places.len()))
             .collect();
+        let others = (self.ignored.iter())
+            .map(|(what, places)| format!("{} × {what}", places.len()))
+            .collect();
         let by_default = self.walls.is_empty() && !self.unnamed.is_empty();
         if by_default {
             self.walls = self.unnamed;
@@ -319,6 +330,8 @@ impl Collector {
             symbols: symbols(self.pieces),
             findings,
             layers,
+            others,
+            unnamed: by_default,
         }
     }
 }

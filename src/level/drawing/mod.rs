@@ -19,7 +19,9 @@
 //! filled wall) and no opening leads into it.
 //! A face into which no opening leads, and which is no wider than the thickest wall (twice its area
 //! divided by its perimeter), is the body of a wall: outside, too. A face as thin whose rim is mostly
-//! openings is a threshold and belongs to the largest room beside it. Every other face is a room.
+//! openings is a threshold and belongs to the largest room beside it; the opening between the two is
+//! dropped. Where no name tells which lines are walls, a rectangle around all rooms into which nothing
+//! leads is the frame of the sheet, and outside. Every other face is a room.
 
 pub mod collect;
 pub mod faces;
@@ -149,6 +151,8 @@ pub struct Drawing {
     pub rounding: f64,
     /// Whether walls are drawn as two lines with a body between them.
     pub bodies: bool,
+    /// Whether no name told what the walls are, so that the frame of the sheet may be among them.
+    pub unnamed: bool,
     /// Two corners of the whole map, where the format has one. Its rim is a wall if there is anything
     /// out of doors: where no walls enclose anything, or a light stands outside of all walls.
     pub frame: Option<[DVec2; 2]>,
@@ -198,6 +202,7 @@ pub fn understand(drawing: Drawing, options: &DrawingOptions) -> Result<Draft, D
         labels,
         rounding,
         bodies,
+        unnamed,
         frame,
         scene,
         mut findings,
@@ -212,6 +217,7 @@ pub fn understand(drawing: Drawing, options: &DrawingOptions) -> Result<Draft, D
         solids: &solids,
         labels: &labels,
         unit: &unit,
+        unnamed,
     };
     let mut plan = plan(strokes.clone(), &shapes, &sizes)?;
     if let Some(frame) = frame
@@ -249,6 +255,7 @@ struct Shapes<'a> {
     solids: &'a [Vec<Vec<DVec2>>],
     labels: &'a [Label],
     unit: &'a Unit,
+    unnamed: bool,
 }
 
 /// A drawing understood.
@@ -344,7 +351,17 @@ impl Plan {
                 place: hole.map_or(stroke.place, |h| h.place),
             }
         };
-        self.net.pieces.iter().enumerate().map(wall).collect()
+        // What parts a threshold from its own room parts nothing: one door is one opening.
+        let parts = |(i, piece): &(usize, &Piece)| {
+            let faces = [2 * i, 2 * i + 1].map(|half| self.faces.face_of[half] as usize);
+            let within = faces[0] != faces[1]
+                && faces.iter().any(|f| self.ground.thresholds[*f])
+                && side(2 * i).is_some()
+                && side(2 * i) == side(2 * i + 1);
+            piece.hole.is_none() || !within
+        };
+        let pieces = self.net.pieces.iter().enumerate();
+        pieces.filter(parts).map(wall).collect()
     }
 }
 
@@ -380,7 +397,8 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// In a drawing whose unit is not known, doors tell the scale; without doors its extent does.
+    /// In a drawing whose unit is not known, or not meant, doors tell the scale; without doors its
+    /// extent does.
     fn of(
         strokes: &[Stroke],
         symbols: &[Symbol],
@@ -389,23 +407,13 @@ impl Sizes {
         bodies: bool,
         options: &DrawingOptions,
     ) -> Sizes {
-        let (mut low, mut high) = (strokes[0].from, strokes[0].from);
-        for p in strokes.iter().flat_map(|s| [s.from, s.to]) {
-            low = low.min(p);
-            high = high.max(p);
-        }
-        let extent = (high - low).max_element();
-        let mut doors: Vec<f64> = (symbols.iter())
-            .filter(|s| s.style == OpeningStyle::Door)
-            .filter_map(opening::width)
-            .collect();
-        doors.sort_by(f64::total_cmp);
-        let door = doors.get(doors.len() / 2).copied();
-        let scale = |metres: f64, of_door: f64, of_extent: f64| match (unit.metres, door) {
-            (Some(unit), _) => metres / unit,
-            (None, Some(door)) => door * of_door,
-            (None, None) => extent * of_extent,
-        };
+        let (extent, door) = measures(strokes, symbols);
+        let scale =
+            |metres: f64, of_door: f64, of_extent: f64| match (unit.meant(extent, door), door) {
+                (Some(unit), _) => metres / unit,
+                (None, Some(door)) => door * of_door,
+                (None, None) => extent * of_extent,
+            };
         let wall = options
             .thickest_wall
             .unwrap_or_else(|| scale(0.6, 0.7, 0.02));
@@ -425,6 +433,22 @@ impl Sizes {
             door,
         }
     }
+}
+
+/// The larger side of the walls' extent, and the usual width of a door.
+pub fn measures(strokes: &[Stroke], symbols: &[Symbol]) -> (f64, Option<f64>) {
+    let start = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
+    let (low, high) = (strokes.iter().flat_map(|s| [s.from, s.to]))
+        .fold(start, |(low, high), p| (low.min(p), high.max(p)));
+    let mut doors: Vec<f64> = (symbols.iter())
+        .filter(|s| s.style == OpeningStyle::Door)
+        .filter_map(opening::width)
+        .collect();
+    doors.sort_by(f64::total_cmp);
+    (
+        (high - low).max_element(),
+        doors.get(doors.len() / 2).copied(),
+    )
 }
 
 /// Refuses numbers that no arithmetic is safe with, before any is done.

@@ -20,7 +20,7 @@ use super::{DrawingError, Sizes, Stroke};
 use crate::geom::{Grid, GridPoint};
 
 /// Most crossings and touches of one round.
-const MOST_MEETINGS: usize = 2_000_000;
+const MOST_MEETINGS: usize = 500_000;
 
 /// Most pairs of lines whose boxes overlap, of one round.
 const MOST_PAIRS: usize = 20_000_000;

@@ -28,6 +28,8 @@ pub struct Ground {
     pub sectors: Vec<Sector>,
     /// The room of each face; `None`: outside.
     pub sector_of: Vec<Option<SectorId>>,
+    /// Whether each face is a threshold.
+    pub thresholds: Vec<bool>,
     /// What is inside and what is outside.
     pub findings: Vec<Finding>,
 }
@@ -39,6 +41,7 @@ enum Kind {
     Solid,
     Body,
     Threshold,
+    Frame,
     Room,
 }
 
@@ -47,6 +50,8 @@ struct Measured {
     kind: Kind,
     /// Whether an opening leads into it.
     open: bool,
+    /// Whether it is the body of a wall but for an opening that reaches a little into it.
+    nicked: bool,
     area: f64,
     inside: DVec2,
     low: DVec2,
@@ -102,9 +107,12 @@ pub(super) fn classify(
             p.cmpge(*low).all() && p.cmple(*high).all() && n() % 2 == 1
         });
         // Where an opening was cut into a filled wall, its reveal is filled, too.
-        if !face.open && around.next().is_some() {
+        if (!face.open || face.nicked) && around.next().is_some() {
             face.kind = Kind::Solid;
         }
+    }
+    if shapes.unnamed {
+        mark_frames(&mut measured, faces, &ends);
     }
     // Faces beside each threshold through its openings.
     let through = |i: usize| {
@@ -168,6 +176,9 @@ pub(super) fn classify(
     Ground {
         sectors: sectors.collect(),
         sector_of,
+        thresholds: (measured.iter())
+            .map(|f| f.kind == Kind::Threshold)
+            .collect(),
         findings: tell(&measured, &areas, unit, sizes),
     }
 }
@@ -226,10 +237,45 @@ fn measure(
     Measured {
         kind,
         open: open > 0.0,
+        nicked: thin && open < THRESHOLD * rim,
         area,
         inside,
         low,
         high,
+    }
+}
+
+/// Takes rectangles around rooms, into which no opening leads, for frames of the sheet.
+fn mark_frames(measured: &mut [Measured], faces: &Faces, ends: &impl Fn(u32) -> [DVec2; 2]) {
+    /// Rooms inside a frame fill at least this part of it.
+    const FILLED: f64 = 0.1;
+    for i in 0..measured.len() {
+        let Measured {
+            kind: Kind::Room,
+            open: false,
+            low,
+            high,
+            ..
+        } = measured[i]
+        else {
+            continue;
+        };
+        let size = high - low;
+        let along_side = |[a, b]: &[DVec2; 2]| {
+            let on = |a: f64, b: f64, low: f64, high: f64| a == b && (a == low || a == high);
+            on(a.x, b.x, low.x, high.x) || on(a.y, b.y, low.y, high.y)
+        };
+        let rim = faces.faces[i].rim.iter().map(|half| ends(*half));
+        let sides: f64 = rim.filter(along_side).map(|[a, b]| a.distance(b)).sum();
+        let inside = measured
+            .iter()
+            .filter(|f| f.kind == Kind::Room && f.low.cmpgt(low).all() && f.high.cmplt(high).all());
+        let rooms: f64 = inside.map(|f| f.area).sum();
+        // The sides are sums of lengths between grid points, so a little may be lost in adding.
+        let whole = sides > 0.999 * 2.0 * (size.x + size.y);
+        if whole && rooms >= FILLED * size.x * size.y {
+            measured[i].kind = Kind::Frame;
+        }
     }
 }
 
@@ -373,6 +419,13 @@ fn tell(measured: &[Measured], areas: &[f64], unit: &Unit, sizes: &Sizes) -> Vec
             Severity::Note,
             "Outside: the inside of a column or of another solid shape.",
             places(Kind::Solid),
+        ),
+        Finding::at(
+            "sheet-frame",
+            Severity::Warning,
+            "Outside: ground in a rectangle around all rooms, into which nothing leads. It was taken for \
+             the frame of the sheet; if it is a wall, name its layer with --layer wall=NAME.",
+            places(Kind::Frame),
         ),
         Finding::at(
             "threshold",

@@ -83,8 +83,34 @@ impl FromStr for Unit {
     }
 }
 
-/// Doubts whether a plan is as large as its unit says: buildings are 2 m to 2 km across, and doors
-/// are 0.4 m to 3 m wide.
+/// Whether a plan and its doors have the size of a building's, if its unit is so many metres:
+/// buildings are 2 m to 2 km across, and doors are 0.4 m to 3 m wide.
+pub fn fits(metres: f64, extent: f64, door: Option<f64>) -> bool {
+    (2.0..=2000.0).contains(&(extent * metres))
+        && door.is_none_or(|d| (0.4..=3.0).contains(&(d * metres)))
+}
+
+impl Unit {
+    /// The length of the unit, unless the plan shows that it is not meant: drawings to a scale, and
+    /// files that name the wrong unit. A unit that was asked for is meant.
+    pub(super) fn meant(&self, extent: f64, door: Option<f64>) -> Option<f64> {
+        let named = NAMED.iter().any(|(name, _)| *name == self.name);
+        self.metres
+            .filter(|m| !named || self.said_by == "--unit" || fits(*m, extent, door))
+    }
+
+    /// Where a file names no unit: the first of these by which the plan has the size of a building.
+    pub fn by_size(names: &[&str], extent: f64, door: Option<f64>) -> Option<Unit> {
+        let units = names
+            .iter()
+            .filter_map(|name| Unit::named(name, "the plan's size, as the file does not say"));
+        units
+            .into_iter()
+            .find(|u| u.metres.is_some_and(|m| fits(m, extent, door)))
+    }
+}
+
+/// Doubts whether a plan is as large as its unit says.
 pub(super) fn doubt(unit: &Unit, sizes: &Sizes, findings: &mut Vec<Finding>) {
     let known = NAMED.iter().any(|(name, _)| *name == unit.name);
     let Some(metres) = unit.metres.filter(|_| known) else {
@@ -92,13 +118,7 @@ pub(super) fn doubt(unit: &Unit, sizes: &Sizes, findings: &mut Vec<Finding>) {
     };
     let across = sizes.extent * metres;
     let door = sizes.door.map(|width| width * metres);
-    let fits = |metres: f64| {
-        let across = sizes.extent * metres;
-        (2.0..=2000.0).contains(&across)
-            && sizes
-                .door
-                .is_none_or(|d| (0.4..=3.0).contains(&(d * metres)))
-    };
+    let fits = |metres: f64| fits(metres, sizes.extent, sizes.door);
     if fits(metres) {
         return;
     }

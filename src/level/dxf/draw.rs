@@ -2,14 +2,16 @@
 //!
 //! In: a [`File`]. Out: walls, symbols and texts in the world's coordinates.
 
+use std::collections::BTreeMap;
+
 use glam::{DAffine2, DVec2};
 
 use super::super::drawing::collect::{Collected, Collector, Ink, MOST_POINTS, Outline, Part};
 use super::super::drawing::flatten::Arc;
 use super::super::drawing::role::{Role, role_of};
 use super::super::drawing::unit::Unit;
-use super::super::drawing::{DrawingOptions, Label};
-use super::super::finding::Place;
+use super::super::drawing::{DrawingOptions, Label, left_out};
+use super::super::finding::{Place, Severity};
 use super::entity::{Entity, Shape};
 use super::pairs::At;
 use super::{DxfError, File, kind};
@@ -52,6 +54,8 @@ struct Pen<'f, 'o> {
     block_roles: Vec<Option<Role>>,
     out: Collector,
     labels: Vec<Label>,
+    /// Blocks that are inserted and not there.
+    missing: BTreeMap<String, Vec<Place>>,
     drawn: usize,
     groups: u32,
     /// Blocks on the way, for circles.
@@ -61,7 +65,7 @@ struct Pen<'f, 'o> {
 /// Draws a file.
 ///
 /// # Errors
-/// Blocks that insert each other, or are not there, or draw too much.
+/// Blocks that insert each other, or draw too much.
 pub fn draw(file: &File, unit: &Unit, options: &DrawingOptions) -> Result<Drawn, DxfError> {
     let usual = unit.metres.map_or(0.01, |metres| 0.01 / metres);
     let role = |name: &str| role_of(name, &options.layers);
@@ -72,6 +76,7 @@ pub fn draw(file: &File, unit: &Unit, options: &DrawingOptions) -> Result<Drawn,
         block_roles: file.names.iter().map(|n| role(n)).collect(),
         out: Collector::new(options.tolerance.unwrap_or(usual)),
         labels: Vec::new(),
+        missing: BTreeMap::new(),
         drawn: 0,
         groups: 0,
         chain: Vec::new(),
@@ -87,8 +92,24 @@ pub fn draw(file: &File, unit: &Unit, options: &DrawingOptions) -> Result<Drawn,
     for entity in &file.entities {
         pen.entity(entity, &context)?;
     }
+    if let Some(last) = file.entities.last().filter(|_| pen.out.is_full()) {
+        return Err(too_much(last.at));
+    }
+    let mut collected = pen.out.finish(unit);
+    let missing = pen.missing.iter();
+    collected
+        .others
+        .extend(missing.map(|(name, p)| {
+            format!("{} × the block '{name}', which is not in the file", p.len())
+        }));
+    collected.findings.extend(left_out(
+        "missing-block",
+        Severity::Warning,
+        "Left out, as the file lacks the block (bind external references before saving)",
+        &pen.missing.into_iter().collect::<Vec<_>>(),
+    ));
     Ok(Drawn {
-        collected: pen.out.finish(unit),
+        collected,
         labels: pen.labels,
     })
 }
@@ -97,13 +118,7 @@ impl<'f> Pen<'f, '_> {
     fn entity(&mut self, entity: &'f Entity, around: &Context<'f>) -> Result<(), DxfError> {
         self.drawn += 1;
         if self.drawn > MOST_DRAWN || self.out.is_full() {
-            return Err(DxfError::TooMuch {
-                at: entity.at,
-                what: format!(
-                    "more than {MOST_DRAWN} entities are drawn, those of blocks each time, or \
-                     {MOST_POINTS} points"
-                ),
-            });
+            return Err(too_much(entity.at));
         }
         let on_zero = self.file.layers[entity.layer as usize].name == "0";
         let layer = if on_zero && !around.top {
@@ -166,14 +181,14 @@ impl<'f> Pen<'f, '_> {
                     filled: matches!(shape, Shape::Filled(_)),
                     written: around.top && context.transform == DAffine2::IDENTITY,
                 };
-                let outline = outline(
-                    shape,
-                    entity.mirrored,
-                    &context.transform,
-                    self.out.tolerance(),
-                );
-                match outline {
-                    Some(outline) => self.out.shape(&ink, &[outline]),
+                let to = &context.transform;
+                let outlines = match shape {
+                    Shape::Lines(lines) => Some(lines.iter().map(|l| straight(l, to)).collect()),
+                    _ => outline(shape, entity.mirrored, to, self.out.tolerance())
+                        .map(|outline| vec![outline]),
+                };
+                match outlines {
+                    Some(outlines) => self.out.shape(&ink, &outlines),
                     None => self
                         .out
                         .ignore(&format!("unsound {}", kind(shape)), place(entity, &context)),
@@ -220,10 +235,9 @@ impl<'f> Pen<'f, '_> {
         let name = &self.file.names[block as usize];
         let content = &self.file.blocks[block as usize];
         if !content.defined {
-            return Err(DxfError::NoBlock {
-                at: entity.at,
-                name: name.clone(),
-            });
+            let places = self.missing.entry(name.clone()).or_default();
+            places.push(place(entity, &around));
+            return Ok(());
         }
         self.check_chain(block, entity.at)?;
         let mut context = around;
@@ -283,10 +297,20 @@ impl<'f> Pen<'f, '_> {
     }
 }
 
+fn too_much(at: At) -> DxfError {
+    DxfError::TooMuch {
+        at,
+        what: format!(
+            "more than {MOST_DRAWN} entities are drawn, those of blocks each time, or {MOST_POINTS} points"
+        ),
+    }
+}
+
 /// A place for a finding: a point of the entity.
 fn place(entity: &Entity, context: &Context) -> Place {
     let first = match &entity.shape {
         Shape::Line([p, _]) => Some(*p),
+        Shape::Lines(lines) => lines.first().map(|l| l[0]),
         Shape::Polyline { corners, .. } => corners.first().map(|c| c.0),
         Shape::Arc { center, .. } | Shape::Ellipse { center, .. } => Some(*center),
         Shape::Spline(spline) => spline.control.first().copied(),
@@ -323,10 +347,7 @@ fn outline(shape: &Shape, mirrored: bool, transform: &DAffine2, tolerance: f64) 
         }
     };
     match shape {
-        Shape::Line([p, q]) => Some(Outline {
-            start: to(*p),
-            parts: vec![Part::Line(to(*q))],
-        }),
+        Shape::Line(ends) => Some(straight(ends, transform)),
         Shape::Polyline {
             corners,
             closed,
@@ -401,6 +422,13 @@ fn outline(shape: &Shape, mirrored: bool, transform: &DAffine2, tolerance: f64) 
                 parts,
             })
         }
-        Shape::Insert { .. } | Shape::Text { .. } | Shape::Other(_) => None,
+        Shape::Lines(_) | Shape::Insert { .. } | Shape::Text { .. } | Shape::Other(_) => None,
+    }
+}
+
+fn straight([p, q]: &[DVec2; 2], transform: &DAffine2) -> Outline {
+    Outline {
+        start: transform.transform_point2(*p),
+        parts: vec![Part::Line(transform.transform_point2(*q))],
     }
 }

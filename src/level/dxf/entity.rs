@@ -27,6 +27,8 @@ pub struct Entity {
 pub enum Shape {
     /// LINE
     Line([DVec2; 2]),
+    /// MLINE: the pieces of all its lines.
+    Lines(Vec<[DVec2; 2]>),
     /// LWPOLYLINE, POLYLINE: corners, each with the bulge of the piece after it.
     Polyline {
         /// Corners.
@@ -169,6 +171,7 @@ pub fn read(
         _ if !upright => Shape::Other(format!("tilted {name}")),
         "LINE" => Shape::Line([values.point(10)?, values.point(11)?]),
         "LWPOLYLINE" => lwpolyline(&values)?,
+        "MLINE" => mline(&values)?,
         "ARC" | "CIRCLE" => Shape::Arc {
             center: values.point(10)?,
             radius: values.real(40, 0.0)?.abs(),
@@ -244,6 +247,72 @@ fn lwpolyline(values: &Values) -> Result<Shape, DxfError> {
         closed: values.whole(70, 0)? & 1 == 1,
         world: false,
     })
+}
+
+/// A corner of an MLINE.
+#[derive(Default)]
+struct Corner {
+    at: DVec2,
+    along: DVec2,
+    /// The way in which its lines lie beside each other here.
+    miter: DVec2,
+    /// For each line: how far it is along the miter, then where its strokes begin and end, measured
+    /// from there along the piece.
+    lines: Vec<Vec<f64>>,
+}
+
+/// The lines of an MLINE, as they lie beside its corners.
+fn mline(values: &Values) -> Result<Shape, DxfError> {
+    let mut corners: Vec<Corner> = Vec::new();
+    for pair in values.pairs {
+        if pair.code == 11 {
+            corners.push(Corner::default());
+        }
+        let Some(corner) = corners.last_mut() else {
+            continue;
+        };
+        match pair.code {
+            11 => corner.at.x = pair.real()?,
+            21 => corner.at.y = pair.real()?,
+            12 => corner.along.x = pair.real()?,
+            22 => corner.along.y = pair.real()?,
+            13 => corner.miter.x = pair.real()?,
+            23 => corner.miter.y = pair.real()?,
+            74 => corner.lines.push(Vec::new()),
+            41 => {
+                if let Some(line) = corner.lines.last_mut() {
+                    line.push(pair.real()?);
+                }
+            }
+            _ => {}
+        }
+    }
+    let n = corners.len();
+    let closed = values.whole(71, 0)? & 2 != 0;
+    let mut pieces = Vec::new();
+    for i in 0..if closed { n } else { n.saturating_sub(1) } {
+        let (from, to) = (&corners[i], &corners[(i + 1) % n]);
+        for (line, next) in from.lines.iter().zip(&to.lines) {
+            let (Some((aside, cuts)), Some(aside_next)) = (line.split_first(), next.first()) else {
+                continue;
+            };
+            let ends = [
+                from.at + from.miter * *aside,
+                to.at + to.miter * *aside_next,
+            ];
+            let along = |t: &f64| match *t {
+                0.0 => ends[0],
+                t => ends[0] + from.along * t,
+            };
+            if cuts.len() < 2 {
+                pieces.push(ends);
+            } else {
+                let strokes = cuts.chunks(2);
+                pieces.extend(strokes.map(|c| [along(&c[0]), c.get(1).map_or(ends[1], along)]));
+            }
+        }
+    }
+    Ok(Shape::Lines(pieces))
 }
 
 fn spline(values: &Values) -> Result<Shape, DxfError> {

@@ -5,15 +5,17 @@
 //! entity can be counted by name, and the file's size bounds the memory.
 //!
 //! # What is read
-//! LINE, LWPOLYLINE and POLYLINE with bulges, ARC, CIRCLE, ELLIPSE, SPLINE, SOLID (a filled shape),
+//! LINE, MLINE, LWPOLYLINE and POLYLINE with bulges, ARC, CIRCLE, ELLIPSE, SPLINE, SOLID (a filled shape),
 //! INSERT (nested, scaled, turned, mirrored, in columns and rows), TEXT, MTEXT and ATTRIB (names of
 //! rooms). Entities on layer `0` within a block are on the layer of its INSERT. The layer's name tells
 //! what is drawn, or else the name of the block; see [`super::drawing::role`]. Layers that are off or
 //! frozen, entities of page layouts, and every other kind of entity (HATCH, DIMENSION …) are left out,
-//! counted and named. z is left out.
+//! counted and named; so is an INSERT of a block that is not in the file. z is left out.
 //!
 //! # Unit
-//! `--unit`, or else `$INSUNITS`, or else `$MEASUREMENT` (metric: mm; English: inches), or else mm.
+//! `--unit`, or else `$INSUNITS`, or else `$MEASUREMENT` (metric: mm; English: inches), or else mm. Where
+//! neither `--unit` nor `$INSUNITS` tells and the plan would not have the size of a building, the first
+//! of mm, cm, m, in, ft (English: in, ft, mm, cm, m) by which it has.
 
 pub mod entity;
 pub mod pairs;
@@ -27,8 +29,10 @@ use thiserror::Error;
 use self::entity::{Entity, Names, Shape, unescaped};
 use self::pairs::{At, Pair, Pairs};
 use super::draft::{Draft, stem};
+use super::drawing::collect::Collected;
 use super::drawing::unit::Unit;
-use super::drawing::{Drawing, DrawingError, DrawingOptions, understand};
+use super::drawing::{Drawing, DrawingError, DrawingOptions, measures, understand};
+use super::finding::{Finding, Severity};
 use super::scene::Scene;
 
 /// Why a file gives no level.
@@ -76,14 +80,6 @@ pub enum DxfError {
     NoEntities {
         /// Where it ends.
         at: At,
-    },
-    /// An INSERT of a block that is not there.
-    #[error("{at}: INSERT of the block '{name}', which is not in the file")]
-    NoBlock {
-        /// Where.
-        at: At,
-        /// Its name.
-        name: String,
     },
     /// Blocks that insert each other.
     #[error("{at}: blocks insert each other without end: {chain}")]
@@ -173,12 +169,31 @@ impl Names for File {
 /// See [`DxfError`].
 pub fn read(bytes: &[u8], source: &str, options: &DrawingOptions) -> Result<Draft, DxfError> {
     let file = parse(bytes)?;
-    let unit = unit(&file, options);
-    let drawn = draw::draw(&file, &unit, options)?;
+    let mut unit = unit(&file, options);
+    let mut drawn = draw::draw(&file, &unit, options)?;
+    if let Some(other) = unit_by_size(&file, &unit, &drawn.collected, options) {
+        drawn = draw::draw(&file, &other, options)?;
+        let places = drawn.collected.strokes.first().map(|s| s.place);
+        drawn.collected.findings.extend(Finding::at(
+            "guessed-unit",
+            Severity::Warning,
+            format!(
+                "The file does not say its unit. In {} ({}) the plan would not have the size of a \
+                 building, so it was taken for {} (--unit says another).",
+                unit.name, unit.said_by, other.name
+            ),
+            places.into_iter().collect(),
+        ));
+        unit = other;
+    }
     if drawn.collected.strokes.is_empty() {
         let there = match drawn.collected.layers.as_slice() {
             [] => "there are no lines at all".to_string(),
             layers => format!("its layers are: {}", layers.join(", ")),
+        };
+        let there = match drawn.collected.others.as_slice() {
+            [] => there,
+            others => format!("{there} (left out: {})", others.join(", ")),
         };
         return Err(DrawingError::NoWalls {
             why: format!(
@@ -197,6 +212,7 @@ pub fn read(bytes: &[u8], source: &str, options: &DrawingOptions) -> Result<Draf
         labels: drawn.labels,
         rounding: 1e-7,
         bodies: true,
+        unnamed: drawn.collected.unnamed,
         frame: None,
         scene: Scene::default(),
         findings: drawn.collected.findings,
@@ -408,10 +424,30 @@ fn unit(file: &File, options: &DrawingOptions) -> Unit {
     Unit::named(name, said_by).unwrap_or_else(|| Unit::unknown(name, said_by))
 }
 
+/// Another unit, where the file names none and the plan has not the size of a building.
+fn unit_by_size(
+    file: &File,
+    unit: &Unit,
+    found: &Collected,
+    options: &DrawingOptions,
+) -> Option<Unit> {
+    let told = options.unit.is_some() || unit.said_by == "$INSUNITS";
+    if told || found.strokes.is_empty() {
+        return None;
+    }
+    let names = match file.measurement {
+        Some(0) => ["in", "ft", "mm", "cm", "m"],
+        _ => ["mm", "cm", "m", "in", "ft"],
+    };
+    let (extent, door) = measures(&found.strokes, &found.symbols);
+    Unit::by_size(&names, extent, door).filter(|other| other.name != unit.name)
+}
+
 /// What is drawn of a kind: for messages.
 fn kind(shape: &Shape) -> &str {
     match shape {
         Shape::Line(_) => "LINE",
+        Shape::Lines(_) => "MLINE",
         Shape::Polyline { .. } => "POLYLINE",
         Shape::Arc { .. } => "ARC",
         Shape::Ellipse { .. } => "ELLIPSE",

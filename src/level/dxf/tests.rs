@@ -142,9 +142,11 @@ fn a_window_over_a_thick_wall_is_cut_through_both_lines() {
     let level = level(&(walls + &window));
     // The reveal of 1.5 by 0.3 belongs to the room.
     assert_eq!(rooms(&level), "1 room of together 16.45 m²");
-    let openings = openings(&level);
-    assert_eq!(openings.len(), 2, "{openings:?}");
-    assert!(openings.iter().all(|(s, _)| *s == OpeningStyle::Window));
+    // Both lines are cut; the inner cut parts the reveal from its own room, which is nothing.
+    let [(style, [_, y0, _, y1])] = openings(&level)[..] else {
+        panic!("{:?}", openings(&level));
+    };
+    assert_eq!((style, y0, y1), (OpeningStyle::Window, 4.6, 4.6));
     assert_eq!(found(&level, "threshold").places.len(), 1);
 }
 
@@ -294,7 +296,8 @@ fn units() {
         unit("9 $INSUNITS 70 0 9 $MEASUREMENT 70 0", None).unit,
         "in"
     );
-    assert_eq!(unit("9 $MEASUREMENT 70 1", None).unit, "mm");
+    // 400 mm are no building.
+    assert_eq!(unit("9 $MEASUREMENT 70 1", None).unit, "cm");
     assert_eq!(unit("9 $INSUNITS 70 5", Some("ft")).unit, "ft");
     let scaled = unit("9 $INSUNITS 70 5", Some("0.02"));
     assert_eq!(
@@ -463,4 +466,134 @@ fn blocks_that_multiply_are_refused() {
         deep += &format!("0 BLOCK 2 B{i} 0 INSERT 2 B{} 8 0 0 ENDBLK ", i - 1);
     }
     assert!(message(&file("", &deep, "0 INSERT 2 B199 8 WALL")).contains("nested more than"));
+}
+
+/// Two rooms, 4 by 3 m each in the unit of `scale` per metre, walls 0.24 thick, a door between.
+fn two_rooms(wall: &str, door: &str, scale: f64) -> String {
+    let at = |values: [f64; 4]| values.map(|v| v * scale);
+    let rooms = [
+        [0.0, 0.0, 8.72, 3.48],
+        [0.24, 0.24, 4.24, 3.24],
+        [4.48, 0.24, 8.48, 3.24],
+    ];
+    rooms.map(|r| rectangle(wall, at(r))).concat() + &line(door, at([4.36, 1.0, 4.36, 1.9]))
+}
+
+#[test]
+fn without_a_unit_the_plan_tells_which_fits() {
+    for (header, scale, unit) in [
+        ("", 100.0, "cm"),
+        ("", 1.0, "m"),
+        ("", 1000.0, "mm"),
+        ("9 $MEASUREMENT 70 0", 1.0 / 0.0254, "in"),
+        ("9 $INSUNITS 70 0 9 $MEASUREMENT 70 1", 1.0 / 0.0254, "in"),
+        ("9 $MEASUREMENT 70 0", 1.0 / 0.3048, "ft"),
+    ] {
+        let bytes = file(header, "", &two_rooms("WALL", "DOOR", scale));
+        let level = level_with(&bytes, &DrawingOptions::default());
+        assert_eq!(level.unit, unit, "{header} {scale}");
+        assert_eq!(
+            rooms(&level),
+            "2 rooms of together 24.22 m²",
+            "{header} {scale}"
+        );
+        let guessed = level.findings.iter().any(|f| f.code == "guessed-unit");
+        let said = unit
+            == if header.ends_with('0') && !header.contains("INS") {
+                "in"
+            } else {
+                "mm"
+            };
+        assert_eq!(guessed, !said, "{header} {scale}");
+        assert!(level.findings.iter().all(|f| f.code != "doubtful-unit"));
+    }
+    // What the file says is kept, though doubted, and so is what was asked for.
+    let bytes = file("9 $INSUNITS 70 4", "", &two_rooms("WALL", "DOOR", 1.0));
+    let level = level_with(&bytes, &DrawingOptions::default());
+    assert_eq!(level.unit, "mm");
+    found(&level, "doubtful-unit");
+}
+
+#[test]
+fn walls_of_a_plan_to_a_scale_are_no_thicker_than_its_doors() {
+    // At 1:50 in mm: half a metre of wall would be as thick as the plan is deep.
+    let bytes = file("9 $INSUNITS 70 4", "", &two_rooms("WALL", "DOOR", 20.0));
+    let level = level_with(&bytes, &DrawingOptions::default());
+    assert_eq!(level.sectors.len(), 2);
+    assert_eq!(openings(&level).len(), 1, "{:?}", openings(&level));
+}
+
+#[test]
+fn lines_of_an_mline_lie_beside_its_corners() {
+    // Around 8 by 6, half of 0.2 on either side, the miters at its corners outwards; then a partition
+    // with a gap cut into it.
+    let corner = |[x, y]: [f64; 2], [dx, dy]: [f64; 2], [mx, my]: [f64; 2]| {
+        let line = |aside: f64| format!(" 74 2 41 {aside} 41 0 75 0");
+        format!(" 11 {x} 21 {y} 12 {dx} 22 {dy} 13 {mx} 23 {my}")
+            + &line(0.1 * 2f64.sqrt())
+            + &line(-0.1 * 2f64.sqrt())
+    };
+    let h = 0.5f64.sqrt();
+    let around = " 0 MLINE 8 WALL 70 1 71 3 72 4 73 2 10 0 20 0".to_string()
+        + &corner([0.0, 0.0], [1.0, 0.0], [-h, -h])
+        + &corner([8.0, 0.0], [0.0, 1.0], [h, -h])
+        + &corner([8.0, 6.0], [-1.0, 0.0], [h, h])
+        + &corner([0.0, 6.0], [0.0, -1.0], [-h, h]);
+    let cut = " 0 MLINE 8 WALL 71 1 72 2 73 1 10 4 20 0.1 \
+               11 4 21 0.1 12 0 22 1 13 -1 23 0 74 4 41 0 41 0 41 2 41 2.9 75 0 \
+               11 4 21 5.9 12 0 22 1 13 -1 23 0 74 2 41 0 41 0 75 0";
+    let level = self::level(&(around.clone() + cut + &line("DOOR", [4.0, 2.1, 4.0, 3.0])));
+    assert_eq!(rooms(&level), "2 rooms of together 45.24 m²");
+    assert_eq!(openings(&level).len(), 1);
+    assert_eq!(rooms(&self::level(&around)), "1 room of together 45.24 m²");
+}
+
+#[test]
+fn a_block_that_is_not_there_is_left_out_and_named() {
+    let insert = " 0 INSERT 2 SITE 8 XREF 10 3 20 4";
+    let level = level(&(rectangle("WALL", [0.0, 0.0, 4.0, 3.0]) + insert));
+    assert_eq!(rooms(&level), "1 room of together 12 m²");
+    let missing = found(&level, "missing-block");
+    assert!(missing.message.contains("1 × SITE"), "{missing:?}");
+    assert_eq!(
+        missing.places,
+        [crate::level::Place::Point { x: 3.0, y: 4.0 }]
+    );
+}
+
+#[test]
+fn without_walls_the_message_names_what_is_there() {
+    let message = message(&file(METRES, "", " 0 3DSOLID 8 A-WALL 0 3DSOLID 8 A-WALL"));
+    assert!(message.contains("2 × 3DSOLID"), "{message}");
+}
+
+#[test]
+fn the_frame_of_the_sheet_is_outside_where_no_name_tells() {
+    let frame = |layer| rectangle(layer, [-2.0, -2.0, 10.72, 5.48]);
+    let plan = two_rooms("0", "0", 1.0);
+    let level = level(&(plan.clone() + &frame("0")));
+    assert_eq!(rooms(&level), "2 rooms of together 24 m²");
+    assert_eq!(found(&level, "sheet-frame").places.len(), 1);
+    // A wall by its name is a wall, and a room with a column in it is a room.
+    let level = self::level(&(two_rooms("WALL", "0", 1.0) + &frame("WALL")));
+    assert_eq!(level.sectors.len(), 3);
+    let column = rectangle("0", [4.0, 3.0, 4.4, 3.4]);
+    let level = self::level(&(rectangle("0", [0.0, 0.0, 8.0, 6.0]) + &column));
+    assert_eq!(level.sectors.len(), 1);
+}
+
+#[test]
+fn one_polyline_of_too_many_pieces_is_refused_in_bounded_memory() {
+    let corners: String = (0..20_000)
+        .map(|i| format!(" 10 {}e12 20 0 42 1", i % 2))
+        .collect();
+    let message = message(&file(
+        METRES,
+        "",
+        &format!(" 0 LWPOLYLINE 8 WALL 70 0{corners}"),
+    ));
+    assert!(
+        message.contains("line ") && message.contains("points"),
+        "{message}"
+    );
 }

@@ -13,7 +13,8 @@
 //! `preserveAspectRatio`; style sheets as far as they hide things or fill them; `text` as names of
 //! rooms. What is not displayed, clip paths, masks, patterns, markers, pictures are left out.
 //!
-//! A closed outline of a wall that is filled darker than half grey is solid inside. y is turned around,
+//! A closed outline of a wall that is filled darker than half grey is solid inside. A shape that no name
+//! tells about, with neither an outline nor a dark fill, is a ground of colour, and left out. y is turned around,
 //! so that it goes up. The unit is mm where the outermost `width` has a unit, otherwise the user's
 //! unit, of unknown length; `--unit` says what the user's unit is.
 
@@ -171,6 +172,7 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
         labels,
         rounding: 2e-6,
         bodies: true,
+        unnamed: collected.unnamed,
         frame: None,
         scene: Scene::default(),
         findings: collected.findings,
@@ -246,14 +248,8 @@ impl<'n> Walk<'_, 'n> {
         push_children(&mut stack, &root, &context);
         while let Some((node, around)) = stack.pop() {
             self.n_elements += 1;
-            if self.n_elements > MOST_ELEMENTS || self.out.is_full() {
-                return Err(SvgError::TooMuch {
-                    place: place_of(&node),
-                    what: format!(
-                        "more than {MOST_ELEMENTS} elements are drawn, those of <use> each time, or \
-                         {MOST_POINTS} points"
-                    ),
-                });
+            if self.n_elements > MOST_ELEMENTS {
+                return Err(too_much(&node));
             }
             if around.depth > DEEPEST {
                 return Err(SvgError::TooMuch {
@@ -285,6 +281,9 @@ impl<'n> Walk<'_, 'n> {
                 "text" => self.text(&node, &around)?,
                 "image" | "foreignObject" => self.out.ignore(name, place_of(&node)),
                 _ => self.shape(&node, &around, page)?,
+            }
+            if self.out.is_full() {
+                return Err(too_much(&node));
             }
         }
         Ok(())
@@ -413,6 +412,12 @@ impl<'n> Walk<'_, 'n> {
             self.out.ignore("hidden element", place_of(node));
             return Ok(());
         }
+        if context.role.is_none() && !context.look.stroked && !context.look.dark {
+            // The ground of the page, or of a room.
+            let what = "shape that nothing names, without an outline or a dark fill";
+            self.out.ignore(what, place_of(node));
+            return Ok(());
+        }
         let outlines = path::outlines(node, &context.transform, page.size, self.out.tolerance())?;
         let ink = Ink {
             role: context.role,
@@ -456,6 +461,16 @@ impl<'n> Walk<'_, 'n> {
             self.labels.push(label);
         }
         Ok(())
+    }
+}
+
+fn too_much(node: &Node) -> SvgError {
+    SvgError::TooMuch {
+        place: place_of(node),
+        what: format!(
+            "more than {MOST_ELEMENTS} elements are drawn, those of <use> each time, or {MOST_POINTS} \
+             points"
+        ),
     }
 }
 

@@ -5,7 +5,7 @@ use kurbo::{BezPath, PathEl, Point, SvgArc, Vec2};
 use roxmltree::Node;
 use svgtypes::{PathParser, PathSegment};
 
-use super::super::drawing::collect::{Outline, Part};
+use super::super::drawing::collect::{MOST_POINTS, Outline, Part};
 use super::super::drawing::flatten::{Arc, MOST_PIECES};
 use super::SvgError;
 use super::attributes::{number, wrong};
@@ -31,6 +31,7 @@ pub(super) fn outlines(
         at: DVec2::ZERO,
         start: DVec2::ZERO,
         outlines: Vec::new(),
+        cut: 0,
     };
     let get = |name: &str, of: f64| Ok::<f64, SvgError>(number(node, name, of)?.unwrap_or(0.0));
     // Lengths that are along no axis are parts of this.
@@ -84,6 +85,8 @@ struct Pen {
     at: DVec2,
     start: DVec2,
     outlines: Vec<Outline>,
+    /// Points of curves so far.
+    cut: usize,
 }
 
 impl Pen {
@@ -139,7 +142,7 @@ impl Pen {
                 f64::INFINITY
             }
         });
-        if reach > 1e15 || !from.is_finite() {
+        if reach > 1e15 || !from.is_finite() || self.cut > MOST_POINTS {
             return self.line_to(to); // refused later, with its place
         }
         // No curve takes more than some thousand pieces, whatever the tolerance.
@@ -158,6 +161,7 @@ impl Pen {
         // Its end is where the file says.
         points.pop();
         points.push(self.to_level(to));
+        self.cut += points.len();
         self.push(Part::Curve(points), to);
     }
 

@@ -20,6 +20,8 @@ pub(super) struct Look {
     visible: bool,
     /// Whether it is filled with something dark, or with a pattern.
     pub dark: bool,
+    /// Whether its outline is drawn.
+    pub stroked: bool,
     /// Size of its letters.
     pub font_size: f64,
 }
@@ -30,6 +32,7 @@ impl Default for Look {
             shown: true,
             visible: true,
             dark: true,
+            stroked: false,
             font_size: 16.0,
         }
     }
@@ -62,6 +65,7 @@ impl<'n> Sheet<'n> {
             match name {
                 "display" => display = value != "none",
                 "visibility" if value != "inherit" => look.visible = value == "visible",
+                "stroke" if value != "inherit" => look.stroked = value != "none",
                 "fill" => look.dark = dark(value).unwrap_or(look.dark),
                 "fill-opacity" | "opacity" => {
                     opaque = value.parse::<f64>().is_ok_and(|x| x >= 0.5);

@@ -290,3 +290,54 @@ fn usvg_draws_the_same() {
         assert!(nearest < 0.1, "{p} is {nearest} mm from the next of usvg's");
     }
 }
+
+#[test]
+fn grounds_of_colour_are_no_walls() {
+    let walls = "<rect x='4' y='2' width='6' height='5' fill='none' stroke='#000'/>";
+    for ground in [
+        "<rect width='20' height='10' fill='white'/>",
+        "<g style='fill:#eee;stroke:none'><path d='M0,0H20V10H0Z'/></g>",
+        "<style>.page{fill:rgb(250,250,240)}</style><rect class='page' width='20' height='10'/>",
+    ] {
+        let level = level(&format!("{ground}{walls}"));
+        assert_eq!(rooms(&level), "1 room of together 30 m²", "{ground}");
+        let ignored = &found(&level, "ignored").message;
+        assert!(ignored.contains("nothing names"), "{ignored}");
+    }
+    // What a name tells is kept, whatever it looks like.
+    let named = "<rect class='wall' x='1' y='1' width='4' height='3' fill='white'/>";
+    assert_eq!(rooms(&level(named)), "1 room of together 12 m²");
+}
+
+#[test]
+fn an_opening_that_reaches_into_a_filled_wall_makes_no_room_of_it() {
+    // Two rooms of filled walls 0.2 thick; the opening between them was drawn too long, into the wall on
+    // the left.
+    let wall = |x: f64, y: f64, w: f64, h: f64| {
+        format!("<rect class='wall' x='{x}' y='{y}' width='{w}' height='{h}' fill='#000'/>")
+    };
+    let walls = [
+        wall(1.0, 1.0, 5.0, 0.2),
+        wall(1.0, 8.8, 5.0, 0.2),
+        wall(1.0, 1.2, 0.2, 7.6),
+        wall(5.8, 1.2, 0.2, 7.6),
+        wall(1.2, 4.9, 4.6, 0.2),
+    ]
+    .concat();
+    let opening = "<rect class='opening' x='0.5' y='4.9' width='2.5' height='0.2' fill='#fff'/>";
+    let level = level(&(walls + opening));
+    assert_eq!(level.sectors.len(), 2, "{:?}", level.findings);
+}
+
+#[test]
+fn one_path_of_too_many_pieces_is_refused_in_bounded_memory() {
+    let arcs = "A1e9 1e9 0 1 1 5 5A1e9 1e9 0 1 1 0 0".repeat(5000);
+    let curves = "C0 1e9 1e9 1e9 5 5C1e9 0 0 1e9 0 0".repeat(5000);
+    for way in [arcs, curves] {
+        let message = message(&format!("<path class='wall' d='M0 0{way}'/>"));
+        assert!(
+            message.contains("line 2, column 1") && message.contains("points"),
+            "{message}"
+        );
+    }
+}

@@ -11,7 +11,11 @@
 //! | `lights` | point lights, two thirds up to the ceiling; half as bright as at unit distance at half their `range` |
 //! | `image`, `environment`, `software` … | nothing |
 //!
+//! Some programs write numbers and truth as text (`"7.5"`, `"true"`); both are read.
+//!
 //! One square of the map's grid is the unit of length, taken for 5 feet where heights are needed.
+
+mod loose;
 
 use glam::{DVec2, DVec3};
 use serde::Deserialize;
@@ -81,23 +85,28 @@ struct Resolution {
 
 #[derive(Clone, Copy, Deserialize)]
 struct Point {
+    #[serde(deserialize_with = "loose::number")]
     x: f64,
+    #[serde(deserialize_with = "loose::number")]
     y: f64,
 }
 
 #[derive(Deserialize)]
 struct Portal {
-    bounds: Vec<Point>,
     #[serde(default)]
+    position: Option<Point>,
+    #[serde(default)]
+    bounds: Vec<Point>,
+    #[serde(default, deserialize_with = "loose::maybe_flag")]
     closed: Option<bool>,
 }
 
 #[derive(Deserialize)]
 struct Lamp {
     position: Point,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "loose::maybe_number")]
     range: Option<f64>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "loose::maybe_number")]
     intensity: Option<f64>,
     #[serde(default)]
     color: Option<String>,
@@ -170,6 +179,7 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
                 portal
                     .bounds
                     .first()
+                    .or(portal.position.as_ref())
                     .map_or(Place::Point { x: 0.0, y: 0.0 }, |p| map.place(*p)),
             ),
         }
@@ -197,6 +207,7 @@ fn drawing(text: &str, source: &str, options: &DrawingOptions) -> Result<Drawing
         labels: Vec::new(),
         rounding: 1e-7,
         bodies: false,
+        unnamed: false,
         frame: map.frame,
         scene: Scene {
             lights,

@@ -113,3 +113,35 @@ fn mistakes_have_a_place() {
         message(&deep)
     );
 }
+
+#[test]
+fn numbers_and_truth_may_be_text() {
+    let quoted = TWO_ROOMS
+        .replace("\"x\": 4,", "\"x\": \"4\",")
+        .replace("\"closed\": true", "\"closed\": \"true\"")
+        .replace("\"range\": 4", "\"range\": \"4.0\"");
+    assert_ne!(quoted, TWO_ROOMS);
+    let [as_text, as_numbers] = [level(&quoted), level(TWO_ROOMS)];
+    assert_eq!(as_text.walls, as_numbers.walls);
+    assert_eq!(as_text.scene.lights, as_numbers.scene.lights);
+    let wrong = TWO_ROOMS.replacen("\"x\": 4,", "\"x\": \"four\",", 1);
+    let wrong = message(&wrong);
+    assert!(
+        wrong.contains("four") && wrong.contains("a number"),
+        "{wrong}"
+    );
+    assert!(wrong.contains("line 6, column "), "{wrong}");
+}
+
+#[test]
+fn a_portal_without_ends_is_left_out_where_it_stands() {
+    let without = TWO_ROOMS.replace(r#""bounds": [{"x": 4, "y": 2.3}, {"x": 4, "y": 3.3}],"#, "");
+    assert_ne!(without, TWO_ROOMS);
+    let level = level(&without);
+    assert_eq!(level.sectors.len(), 1);
+    let ignored = level.findings.iter().find(|f| f.code == "ignored").unwrap();
+    assert!(matches!(
+        ignored.places[..],
+        [crate::level::Place::Point { x: 4.0, .. }]
+    ));
+}

@@ -18,6 +18,10 @@ const MOST: usize = 500;
 /// Draws the marks.
 pub(super) fn of_findings(level: &Level, findings: &[Finding], sheet: &Sheet) -> Group {
     let mut group = Group::new().set("class", "findings");
+    let [corner, size] = sheet.frame();
+    let on_page =
+        |p: &glam::DVec2| p.cmpge(corner - 1.0).all() && p.cmple(corner + size + 1.0).all();
+    let mut words: Vec<glam::DVec2> = Vec::new();
     for finding in findings {
         let colour = match finding.severity {
             Severity::Note => continue,
@@ -26,7 +30,8 @@ pub(super) fn of_findings(level: &Level, findings: &[Finding], sheet: &Sheet) ->
         };
         let places = finding.places.iter().take(MOST);
         let points = places.flat_map(|place| points(level, place)).take(MOST);
-        for (i, p) in points.map(|p| sheet.at(p)).enumerate() {
+        let points = points.filter_map(|p| Some(sheet.at(level.grid.fine(p)?.approx())));
+        for (i, p) in points.filter(on_page).enumerate() {
             let ring = Circle::new()
                 .set("cx", short(p.x))
                 .set("cy", short(p.y))
@@ -36,7 +41,16 @@ pub(super) fn of_findings(level: &Level, findings: &[Finding], sheet: &Sheet) ->
                 .set("stroke-width", 2.5);
             group = group.add(ring);
             if i < NAMED {
-                let word = text(finding.code, p.x + 13.0, p.y - 8.0, 15.0).set("fill", colour);
+                // Words of findings at one place stand one above the other.
+                let mut at = p + glam::DVec2::new(13.0, -8.0);
+                while words
+                    .iter()
+                    .any(|w| (w.y - at.y).abs() < 14.0 && (w.x - at.x).abs() < 120.0)
+                {
+                    at.y += 16.0;
+                }
+                words.push(at);
+                let word = text(finding.code, at.x, at.y, 15.0).set("fill", colour);
                 group = group.add(word);
             }
         }
@@ -44,7 +58,7 @@ pub(super) fn of_findings(level: &Level, findings: &[Finding], sheet: &Sheet) ->
     group
 }
 
-/// Where a place is on the plan.
+/// Where a place is on the plan, in the level's own coordinates.
 fn points(level: &Level, place: &Place) -> Vec<glam::DVec2> {
     if let Place::Point { x, y } = *place {
         return vec![glam::DVec2::new(x, y)];

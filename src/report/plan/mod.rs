@@ -183,6 +183,34 @@ mod tests {
     }
 
     #[test]
+    fn marks_stand_where_the_findings_are() {
+        // The grid's origin is in the middle of the plan, and its steps are no metres.
+        let text = "[[room]]\nname = \"A\"\nrect = [10.25, 20.5, 14.25, 24.5]\n";
+        let level = read(text.into(), "room.toml", None).unwrap();
+        let graph = subdivide(&level, &Options::default());
+        let corners = [[10.25, 20.5], [14.25, 24.5], [10.25, 24.5]];
+        let places = corners.map(|[x, y]| crate::level::Place::Point { x, y });
+        let found = Finding::at(
+            "gap",
+            crate::level::Severity::Warning,
+            "A gap.",
+            places.into(),
+        );
+        let found: Vec<Finding> = found.into_iter().collect();
+        let svg = draw_findings(&level, &graph, &found, 400).to_string();
+        let sheet = Sheet::of(&graph);
+        let [corner, size] = sheet.frame();
+        let at = |x: f64, y: f64| {
+            let p = corner + size * glam::DVec2::new(x, y);
+            let ring = format!("cx=\"{}\" cy=\"{}\"", sheet::short(p.x), sheet::short(p.y));
+            assert!(svg.contains(&ring), "{ring} in {svg}");
+        };
+        at(0.0, 1.0);
+        at(1.0, 0.0);
+        at(0.0, 0.0);
+    }
+
+    #[test]
     fn a_level_without_cells_gives_a_picture() {
         let level = read(
             b"[[wall]]\npoints = [[0, 0], [1, 0]]".into(),
