@@ -384,6 +384,8 @@ fn rim_of([a, c]: [DVec2; 2]) -> [Stroke; 4] {
 pub struct Sizes {
     /// The larger side of the walls' extent.
     pub extent: f64,
+    /// The walls' least x and y.
+    pub corner: DVec2,
     /// Ends nearer than this are one.
     pub weld: f64,
     /// Gaps up to this are listed.
@@ -407,7 +409,11 @@ impl Sizes {
         bodies: bool,
         options: &DrawingOptions,
     ) -> Sizes {
-        let (extent, door) = measures(strokes, symbols);
+        let Measures {
+            extent,
+            corner,
+            door,
+        } = measures(strokes, symbols);
         let scale =
             |metres: f64, of_door: f64, of_extent: f64| match (unit.meant(extent, door), door) {
                 (Some(unit), _) => metres / unit,
@@ -419,6 +425,7 @@ impl Sizes {
             .unwrap_or_else(|| scale(0.6, 0.7, 0.02));
         Sizes {
             extent,
+            corner,
             weld: extent * rounding,
             gap: options
                 .close_gaps
@@ -435,8 +442,18 @@ impl Sizes {
     }
 }
 
-/// The larger side of the walls' extent, and the usual width of a door.
-pub fn measures(strokes: &[Stroke], symbols: &[Symbol]) -> (f64, Option<f64>) {
+/// How large a drawing is, in its unit.
+pub struct Measures {
+    /// The larger side of the walls' extent.
+    pub extent: f64,
+    /// The walls' least x and y.
+    pub corner: DVec2,
+    /// The usual width of a door, if there are any.
+    pub door: Option<f64>,
+}
+
+/// Measures a drawing's walls and doors.
+pub fn measures(strokes: &[Stroke], symbols: &[Symbol]) -> Measures {
     let start = (DVec2::splat(f64::MAX), DVec2::splat(f64::MIN));
     let (low, high) = (strokes.iter().flat_map(|s| [s.from, s.to]))
         .fold(start, |(low, high), p| (low.min(p), high.max(p)));
@@ -445,10 +462,11 @@ pub fn measures(strokes: &[Stroke], symbols: &[Symbol]) -> (f64, Option<f64>) {
         .filter_map(opening::width)
         .collect();
     doors.sort_by(f64::total_cmp);
-    (
-        (high - low).max_element(),
-        doors.get(doors.len() / 2).copied(),
-    )
+    Measures {
+        extent: (high - low).max_element(),
+        corner: low,
+        door: doors.get(doors.len() / 2).copied(),
+    }
 }
 
 /// Refuses numbers that no arithmetic is safe with, before any is done.

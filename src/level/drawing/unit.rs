@@ -143,7 +143,10 @@ pub(super) fn doubt(unit: &Unit, sizes: &Sizes, findings: &mut Vec<Finding>) {
             unit.said_by,
             length(across)
         ),
-        places: vec![Place::Point { x: 0.0, y: 0.0 }],
+        places: vec![Place::Point {
+            x: sizes.corner.x,
+            y: sizes.corner.y,
+        }],
     });
 }
 
@@ -165,6 +168,7 @@ mod tests {
     fn an_office_of_nine_kilometres_is_doubted() {
         let sizes = |extent, door| Sizes {
             extent,
+            corner: glam::DVec2::ZERO,
             weld: 0.0,
             gap: 0.1,
             close: None,

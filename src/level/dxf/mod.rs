@@ -439,8 +439,8 @@ fn unit_by_size(
         Some(0) => ["in", "ft", "mm", "cm", "m"],
         _ => ["mm", "cm", "m", "in", "ft"],
     };
-    let (extent, door) = measures(&found.strokes, &found.symbols);
-    Unit::by_size(&names, extent, door).filter(|other| other.name != unit.name)
+    let found = measures(&found.strokes, &found.symbols);
+    Unit::by_size(&names, found.extent, found.door).filter(|other| other.name != unit.name)
 }
 
 /// What is drawn of a kind: for messages.
