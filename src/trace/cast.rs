@@ -108,7 +108,7 @@ impl<'a> Course<'a> {
     /// a ray without a course on the plan (straight up or down), or of which rounding lets it miss
     /// the cell.
     #[inline]
-    fn exit(&self, cell: &Chamber, entry: Option<u32>) -> Option<Crossing> {
+    pub fn exit(&self, cell: &Chamber, entry: Option<u32>) -> Option<Crossing> {
         let (mut edge, n) = match entry {
             Some(entry) => (self.space.next(cell, entry), cell.past - cell.first - 1),
             None => (cell.first, cell.past - cell.first),

@@ -130,7 +130,7 @@ fn the_office_written_by_ezdxf() {
         ("Lobby", 7.48 * 3.1 - columns + 1.8 * 0.15 + 2.0 * 0.15),
     ];
     check_rooms("plans/office.dxf", 1e-6, &rooms);
-    // Six doors and the entrance; a window in a gap, and three that cut two lines each.
+    // Six doors and the entrance; a window in a gap, and three in walls of two lines.
     assert_eq!(openings(&read("plans/office.dxf")), (7, 4));
 }
 

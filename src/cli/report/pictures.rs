@@ -35,7 +35,8 @@ const MOST_LOOKS: f64 = 4000.0;
 /// Seconds whose gains count as one moment.
 const TOGETHER: f64 = 1.5;
 
-/// The level as the preview paints it, with its doors open; `None` where it has no heights, or nothing orders its cells.
+/// The level as the preview paints it, with its doors open; `None` where it has no heights, or nothing
+/// orders its cells.
 pub fn world(
     path: &std::path::Path,
     source: &Source,

@@ -91,29 +91,30 @@ pub fn fits(metres: f64, extent: f64, door: Option<f64>) -> bool {
 }
 
 impl Unit {
+    /// Whether it is one of those with a name, not a length of somebody's own.
+    fn is_named(&self) -> bool {
+        NAMED.iter().any(|(name, _)| *name == self.name)
+    }
+
     /// The length of the unit, unless the plan shows that it is not meant: drawings to a scale, and
     /// files that name the wrong unit. A unit that was asked for is meant.
     pub(super) fn meant(&self, extent: f64, door: Option<f64>) -> Option<f64> {
-        let named = NAMED.iter().any(|(name, _)| *name == self.name);
         self.metres
-            .filter(|m| !named || self.said_by == "--unit" || fits(*m, extent, door))
+            .filter(|m| !self.is_named() || self.said_by == "--unit" || fits(*m, extent, door))
     }
 
     /// Where a file names no unit: the first of these by which the plan has the size of a building.
     pub fn by_size(names: &[&str], extent: f64, door: Option<f64>) -> Option<Unit> {
-        let units = names
+        names
             .iter()
-            .filter_map(|name| Unit::named(name, "the plan's size, as the file does not say"));
-        units
-            .into_iter()
+            .filter_map(|name| Unit::named(name, "the plan's size, as the file does not say"))
             .find(|u| u.metres.is_some_and(|m| fits(m, extent, door)))
     }
 }
 
 /// Doubts whether a plan is as large as its unit says.
 pub(super) fn doubt(unit: &Unit, sizes: &Sizes, findings: &mut Vec<Finding>) {
-    let known = NAMED.iter().any(|(name, _)| *name == unit.name);
-    let Some(metres) = unit.metres.filter(|_| known) else {
+    let Some(metres) = unit.metres.filter(|_| unit.is_named()) else {
         return;
     };
     let across = sizes.extent * metres;

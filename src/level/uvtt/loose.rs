@@ -16,19 +16,20 @@ enum Value {
 
 impl Value {
     fn number<E: Error>(self) -> Result<f64, E> {
-        let (what, text) = match self {
+        let text = match self {
             Value::Number(x) => return Ok(x),
-            Value::Flag(flag) => (None, flag.to_string()),
-            Value::Text(text) => match text.trim().parse::<f64>() {
-                Ok(x) if x.is_finite() => return Ok(x),
-                _ => (Some(()), text),
-            },
+            Value::Flag(flag) => {
+                return Err(E::invalid_value(
+                    Unexpected::Other(&flag.to_string()),
+                    &"a number",
+                ));
+            }
+            Value::Text(text) => text,
         };
-        let found = match what {
-            Some(()) => Unexpected::Str(&text),
-            None => Unexpected::Other(&text),
-        };
-        Err(E::invalid_value(found, &"a number"))
+        match text.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(E::invalid_value(Unexpected::Str(&text), &"a number")),
+        }
     }
 
     fn flag<E: Error>(self) -> Result<bool, E> {

@@ -41,7 +41,7 @@ pub(super) fn of_findings(level: &Level, findings: &[Finding], sheet: &Sheet) ->
                 .set("stroke-width", 2.5);
             group = group.add(ring);
             if i < NAMED {
-                // Words of findings at one place stand one above the other.
+                // Words of findings at one place stand one below the other.
                 let mut at = p + glam::DVec2::new(13.0, -8.0);
                 while words
                     .iter()

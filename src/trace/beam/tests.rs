@@ -24,6 +24,16 @@ struct Compared {
     streamed: usize,
 }
 
+/// One of the levels, and its usual cells.
+fn sample(name: &str) -> (Level, CellGraph) {
+    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
+    let file = format!("{name}.toml");
+    let bytes = std::fs::read(levels.join(&file)).unwrap();
+    let level = read::read(bytes, &file, None).unwrap();
+    let graph = subdivide(&level, &Options::default());
+    (level, graph)
+}
+
 /// A point inside a cell, with a height between its floor and ceiling.
 fn inside(space: &Space, graph: &CellGraph, random: &mut Source) -> Option<(DVec3, CellId)> {
     let id = (random.next() * space.cells.len() as f64) as u32;
@@ -242,17 +252,13 @@ fn all_rays_meet_what_single_rays_do() {
 /// Rooms of very many corners, and numbers that f64 hardly holds.
 #[test]
 fn and_so_in_hard_levels() {
-    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels/hard");
     for name in [
-        "room-of-10000-edges",
-        "far-from-zero",
-        "hair-thin-zones",
-        "scale-1024",
+        "hard/room-of-10000-edges",
+        "hard/far-from-zero",
+        "hard/hair-thin-zones",
+        "hard/scale-1024",
     ] {
-        let file = format!("{name}.toml");
-        let bytes = std::fs::read(levels.join(&file)).unwrap();
-        let level = read::read(bytes, &file, None).unwrap();
-        let graph = subdivide(&level, &Options::default());
+        let (level, graph) = sample(name);
         let sum = same_as_single_rays(&level, &graph, 2, [48, 30]);
         assert!(sum.pixels > 1000, "{name}: {sum:?}");
     }
@@ -263,7 +269,6 @@ fn and_so_in_hard_levels() {
 /// told from those on the other side.
 #[test]
 fn streams_past_corners_and_along_walls() {
-    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
     for name in [
         "museum",
         "cathedral",
@@ -271,10 +276,7 @@ fn streams_past_corners_and_along_walls() {
         "hard/hair-thin-zones",
         "hard/scale-1024",
     ] {
-        let file = format!("{name}.toml");
-        let bytes = std::fs::read(levels.join(&file)).unwrap();
-        let level = read::read(bytes, &file, None).unwrap();
-        let graph = subdivide(&level, &Options::default());
+        let (level, graph) = sample(name);
         let space = Space::new(&level, &graph);
         let mut random = Source::new(6, 0, 0);
         let mut pick = |n: usize| (random.next() * n as f64) as u32;
@@ -332,12 +334,8 @@ fn streams_past_corners_and_along_walls() {
 /// in some hundreds of these went from cell to cell about such a corner, and never came to an end.
 #[test]
 fn no_ray_goes_in_circles() {
-    let levels = Path::new(env!("CARGO_MANIFEST_DIR")).join("levels");
     for name in ["museum", "hard/circle-pillar", "hard/pinwheel-apart"] {
-        let file = format!("{name}.toml");
-        let bytes = std::fs::read(levels.join(&file)).unwrap();
-        let level = read::read(bytes, &file, None).unwrap();
-        let graph = subdivide(&level, &Options::default());
+        let (level, graph) = sample(name);
         let space = Space::new(&level, &graph);
         let locator = Locator::new(&graph);
         let mut random = Source::new(8, 0, 0);

@@ -23,7 +23,8 @@
 
 use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*, u32x8};
 
-use super::super::layout::{INSIDE, Layout, Side};
+use super::super::cast::Course;
+use super::super::layout::{Layout, Side};
 use super::super::ray::Ray;
 use super::super::space::Space;
 
@@ -190,34 +191,18 @@ pub(super) fn leave<S: Simd>(
 #[cold]
 #[inline(never)]
 pub(super) fn exactly(space: &Space, list: u32, ended: u32, ray: &Ray) -> (u32, u32) {
-    let (layout, n_edges) = (&space.layout, space.edges.len() as u32);
-    let (room, entry) = if list < n_edges {
-        let room = layout.room(space.edge(list).cell);
-        (room, list - room.first)
+    let n_edges = space.edges.len() as u32;
+    let (cell, entry) = if list < n_edges {
+        (space.edge(list).cell, Some(list))
     } else {
-        (layout.room(list - n_edges), INSIDE)
+        (list - n_edges, None)
     };
-    let (mut edge, n) = match entry {
-        INSIDE => (0, room.n),
-        entry => (room.next(entry), room.n - 1),
+    let Some(exit) = Course::new(space, *ray).exit(space.cell(cell), entry) else {
+        return (ended, u32::MAX);
     };
-    let (d, o) = (ray.direction, ray.origin.truncate());
-    let mut a = layout.corner(room, edge) - o;
-    let mut from = d.x * a.y - d.y * a.x;
-    for _ in 0..n {
-        let end = room.next(edge);
-        let b = layout.corner(room, end) - o;
-        let to = d.x * b.y - d.y * b.x;
-        if from < 0.0 && to >= 0.0 {
-            let t = ((a.x * b.y - a.y * b.x) / (to - from)).max(0.0);
-            let z = ray.origin.z + t * d.z;
-            let gate = layout.gate(room, edge);
-            let passes = z >= gate.low && z <= gate.high;
-            return (if passes { gate.twin } else { ended }, room.first + edge);
-        }
-        (a, from, edge) = (b, to, end);
-    }
-    (ended, u32::MAX)
+    let gate = &space.layout.gates[exit.edge as usize];
+    let passes = exit.z >= gate.low && exit.z <= gate.high;
+    (if passes { gate.twin } else { ended }, exit.edge)
 }
 
 #[inline(always)]
