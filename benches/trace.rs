@@ -1,7 +1,8 @@
 //! How many rays a second, on one thread: the walk through cells against every structure.
 //!
 //! `cargo bench --bench trace` needs the Debian package `freedoom`; `-- --quick` takes 2 eyes a map
-//! instead of 16, and names of maps choose among them. Eyes are spread evenly over the ground, 41
+//! instead of 16, `--walk` leaves out all structures but obvhs, and names of maps and of kinds of
+//! rays choose among them. Eyes are spread evenly over the ground, 41
 //! above it, and look level in a random direction, 640 × 400 pixels, 90°, all seeded. Rays:
 //!
 //! - *primary*: one through the middle of each pixel; its surface and its `t`;
@@ -27,7 +28,8 @@ use enfilade::trace::camera::Camera;
 use enfilade::trace::sampling::Source;
 use enfilade::trace::shadow::{self, Lamp};
 use enfilade::trace::shapes::mesh::{Mesh, Points};
-use enfilade::trace::{Met, Place, Ray, Space, Surface, stream, walk};
+use enfilade::trace::stream::Stream;
+use enfilade::trace::{Met, Place, Ray, Space, Surface, walk};
 use glam::{DVec2, DVec3};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::RayHit;
@@ -47,6 +49,8 @@ const TILE: u32 = 32;
 const LAMPS: usize = 4;
 /// Runs of the walk, of which the median counts.
 const RUNS: usize = 5;
+/// Rays that a stream gets at a time, made just before, as a renderer does.
+const SOME: usize = 4000;
 /// Seconds for each structure, eye and kind of rays.
 const PATIENCE: f64 = 0.02;
 
@@ -58,21 +62,41 @@ fn main() {
         std::env::args().skip(1).partition(|a| a.starts_with('-'));
     let quick = flags.iter().any(|f| f == "--quick");
     let eyes = if quick { 2 } else { 16 };
+    let kinds = if flags.iter().any(|f| f == "--walk") {
+        Vec::new()
+    } else {
+        Kind::ALL.to_vec()
+    };
+    let classes: Vec<&str> = CLASSES
+        .into_iter()
+        .filter(|c| wanted.iter().any(|w| w == c))
+        .collect();
+    let classes = if classes.is_empty() {
+        CLASSES.to_vec()
+    } else {
+        classes
+    };
+    let wanted: Vec<&String> = wanted
+        .iter()
+        .filter(|w| !CLASSES.contains(&w.as_str()))
+        .collect();
     let mut names = Vec::new();
     let mut tables: [Vec<Vec<f64>>; 3] = Default::default();
     for (file, map) in MAPS {
-        if !wanted.is_empty() && !wanted.iter().any(|w| w == map) {
+        if !wanted.is_empty() && !wanted.iter().any(|w| *w == map) {
             continue;
         }
         let Some(level) = load(file, map) else {
             continue;
         };
-        let (columns, off) = measure(&level, eyes);
-        eprintln!(
-            "{map}: of a million primary rays, {:.0} meet something else in obvhs, {:.0} in the tree \
-             of medians and boxes",
-            off[0], off[1]
-        );
+        let (columns, off) = measure(&level, eyes, &kinds, &classes);
+        if let Some([outside, ours]) = off {
+            eprint!("{map}: of a million primary rays, {outside:.0} meet something else in obvhs");
+            match kinds.get(1) {
+                Some(kind) => eprintln!(", {ours:.0} in {kind}"),
+                None => eprintln!(),
+            }
+        }
         names.push(map);
         for (table, column) in tables.iter_mut().zip(columns) {
             table.push(column);
@@ -83,17 +107,17 @@ fn main() {
         fearless_simd::Level::new()
     );
     for (class, table) in CLASSES.iter().zip(&tables) {
+        if table.iter().all(|column| column.is_empty()) {
+            continue;
+        }
         print!("\n{class:<22}");
         for name in &names {
             print!(" {name:>7}");
         }
         println!("  median  × obvhs");
         let row = |k: usize| -> Vec<f64> { table.iter().map(|column| column[k]).collect() };
-        if table.is_empty() {
-            continue;
-        }
         let outside = median(row(2));
-        for (k, name) in contestants().into_iter().enumerate() {
+        for (k, name) in contestants(&kinds).into_iter().enumerate() {
             print!("{name:<22}");
             for rate in row(k) {
                 print!(" {}", figure(rate));
@@ -118,9 +142,9 @@ fn load(file: &str, map: &str) -> Option<Level> {
 }
 
 /// The rows of the tables.
-fn contestants() -> Vec<String> {
+fn contestants(kinds: &[Kind]) -> Vec<String> {
     let first = ["walk", "walk, one by one", "obvhs"];
-    let rest = Kind::ALL.into_iter().map(|kind| kind.to_string());
+    let rest = kinds.iter().map(|kind| kind.to_string());
     first.into_iter().map(str::to_string).chain(rest).collect()
 }
 
@@ -152,13 +176,18 @@ fn median(mut list: Vec<f64>) -> f64 {
 
 /// Million rays a second of every contestant, for each class; and how many primary rays of a million
 /// meet something else in obvhs and in a tree of ours.
-fn measure(level: &Level, n_eyes: usize) -> ([Vec<f64>; 3], [f64; 2]) {
+fn measure(
+    level: &Level,
+    n_eyes: usize,
+    kinds: &[Kind],
+    classes: &[&str],
+) -> ([Vec<f64>; 3], Option<[f64; 2]>) {
     let graph = subdivide(level, &Options::default());
     let space = Space::new(level, &graph);
     let triangles = triangles(&space);
-    let meshes: Vec<Mesh> = Kind::ALL
-        .into_iter()
-        .map(|kind| Mesh::new(triangles.clone(), kind).expect("it has triangles"))
+    let meshes: Vec<Mesh> = kinds
+        .iter()
+        .map(|&kind| Mesh::new(triangles.clone(), kind).expect("it has triangles"))
         .collect();
     let outside = Outside::new(&triangles);
     let mut rates: [Vec<Vec<f64>>; 3] = Default::default();
@@ -166,6 +195,9 @@ fn measure(level: &Level, n_eyes: usize) -> ([Vec<f64>; 3], [f64; 2]) {
     for eye in eyes(&graph, &space, n_eyes) {
         let view = View::new(&space, eye);
         for (class, all) in rates.iter_mut().enumerate() {
+            if !classes.contains(&CLASSES[class]) {
+                continue;
+            }
             let [fast, single] = view.by_cells(&space, class);
             let mut list = vec![fast, single];
             let tiles = view.tiles_of_rays(&space, class);
@@ -177,18 +209,21 @@ fn measure(level: &Level, n_eyes: usize) -> ([Vec<f64>; 3], [f64; 2]) {
             for shot in tiles.iter().take(4).flatten().filter(|_| class == 0) {
                 let same = |t: f64| (t - shot.t).abs() <= 1e-3 * shot.t.max(1.0);
                 differ[0] += f64::from(!same(outside.shoot(shot, 0)));
-                differ[1] += f64::from(!same(in_mesh(&meshes[1], shot, 0)));
+                if let Some(mesh) = meshes.get(1) {
+                    differ[1] += f64::from(!same(in_mesh(mesh, shot, 0)));
+                }
                 compared += 1.0;
             }
         }
     }
     let columns = rates.map(|eyes| {
-        let n = eyes[0].len();
+        let n = eyes.first().map_or(0, Vec::len);
         (0..n)
             .map(|k| median(eyes.iter().map(|list| list[k]).collect()))
             .collect()
     });
-    (columns, differ.map(|n| n / compared * 1e6))
+    let off = (compared > 0.0).then(|| differ.map(|n| n / compared * 1e6));
+    (columns, off)
 }
 
 /// Million rays a second, tile after tile until patience ends.
@@ -516,12 +551,19 @@ impl View {
             _ => {
                 let bounced = self.bounced(space);
                 rays = bounced.len();
+                let mut stream = Stream::new(space);
+                let mut some = Vec::with_capacity(SOME);
                 for _ in 0..RUNS {
-                    fast.push(seconds(|| {
-                        stream::cast(space, bounced.iter().copied(), |_, met| {
-                            black_box(met);
-                        });
-                    }));
+                    let times = bounced.chunks(SOME).map(|chunk| {
+                        some.clear();
+                        some.extend_from_slice(chunk);
+                        seconds(|| {
+                            stream.cast(some.iter().copied(), |_, met| {
+                                black_box(met);
+                            });
+                        })
+                    });
+                    fast.push(times.sum());
                 }
             }
         }

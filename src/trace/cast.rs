@@ -200,6 +200,19 @@ pub(super) fn edge_of(surface: Surface) -> Option<u32> {
     }
 }
 
+/// The edge of its cell on which a ray starts: it counts as come through that. A pane's ray may start
+/// on either side of the pane.
+#[inline]
+pub(super) fn entry_of(space: &Space, start: Place) -> Option<u32> {
+    let e = start.on.and_then(edge_of)?;
+    let edge = space.edge(e);
+    Some(if edge.cell == start.cell.0 {
+        e
+    } else {
+        edge.twin
+    })
+}
+
 /// The edges through which a ray has come: whether one comes again. Of them one is kept, ever more
 /// rarely another (Brent's cycle detection), so a circle is noticed after at most three times as many
 /// steps as lead into it and around it.
@@ -234,16 +247,7 @@ pub fn walk(
     limit: f64,
     visit: impl FnMut(CellId, f64) -> f64,
 ) -> Option<Met> {
-    // A pane's ray may start on either side of it: in its cell, the pane's edge is the entry.
-    let entry = start.on.and_then(edge_of).map(|e| {
-        let edge = space.edge(e);
-        if edge.cell == start.cell.0 {
-            e
-        } else {
-            edge.twin
-        }
-    });
-    go(space, ray, start.cell, entry, limit, visit)
+    go(space, ray, start.cell, entry_of(space, start), limit, visit)
 }
 
 /// As [`walk`] without a limit, for a ray that has come into a cell through one of its edges.

@@ -5,7 +5,7 @@
 //! asks eight at once on which side it passes; the signs become bits of a mask, and the edge through
 //! which the ray leaves is found by shifting ([`Turn`]). An edge keeps the heights between which a
 //! ray goes on, and where ([`Gate`]). For rays without order all this stands once more in f32
-//! ([`Side`]).
+//! ([`Side`]), and what they meet at last by edge ([`Face`]).
 
 use std::hint::select_unpredictable;
 
@@ -28,6 +28,8 @@ pub struct Layout {
     pub rise: f64,
     /// Cell after cell, the sides of each twice over.
     pub sides: Vec<Side>,
+    /// By edge.
+    pub faces: Vec<Face>,
     /// The sides that a ray asks, by the edge through which it came; then by the cell in which it
     /// starts. The corner of the last is the end of the edge before.
     pub asked: Vec<[u32; 2]>,
@@ -89,6 +91,23 @@ pub struct Side {
     pub edge: u32,
 }
 
+/// All that says on what a ray ends that comes to an edge, and where.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// Floor and ceiling of the edge's cell.
+    pub flats: [f64; 2],
+    /// Lower and upper end of its opening.
+    pub gap: [f64; 2],
+    /// The vertex in which it starts.
+    pub from: u32,
+    /// The vertex in which it ends.
+    pub to: u32,
+    /// Its cell.
+    pub cell: u32,
+    /// 1 if it is a wall, and 2 if it looks outside.
+    pub sort: u32,
+}
+
 /// Stands for no entry: the ray starts in the cell.
 pub const INSIDE: u32 = u32::MAX;
 
@@ -148,6 +167,18 @@ impl Layout {
         let rise = heights
             .filter(|z| z.is_finite())
             .fold(0.0, |most: f64, z| most.max(z.abs()));
+        let faces = edges.iter().map(|edge| {
+            let own = &cells[edge.cell as usize];
+            Face {
+                flats: [own.floor, own.ceiling],
+                gap: [edge.bottom, edge.top],
+                from: edge.from,
+                to: edge.to,
+                cell: edge.cell,
+                sort: u32::from(edge.twin == WALL) | u32::from(edge.outside) << 1,
+            }
+        });
+        let faces = faces.collect();
         let mut sides = Vec::with_capacity(2 * edges.len());
         let mut asked = vec![[0; 2]; edges.len() + cells.len()];
         for (room, id) in rooms.iter().zip(edges.len()..) {
@@ -167,6 +198,7 @@ impl Layout {
             gates,
             rise,
             sides,
+            faces,
             asked,
             extent: vertices
                 .iter()

@@ -21,7 +21,7 @@ use super::beam::area::{Area, Mask};
 use super::beam::depth::{self, Plane};
 use super::beam::engine::{self, At, Beam, End, Rays};
 use super::beam::{Bundle, Fan, Patch};
-use super::cast::{Place, Trail, edge_of, face};
+use super::cast::{Place, Trail, edge_of, entry_of, face};
 use super::layout::INSIDE;
 use super::space::{Space, Surface};
 use crate::cells::CellId;
@@ -38,15 +38,7 @@ pub struct Lamp {
 /// What stands between a point and a light; `None` if the one sees the other. `start` is where the
 /// point is, as for [`super::walk`].
 pub fn blocker(space: &Space, point: DVec3, start: Place, lamp: &Lamp) -> Option<Surface> {
-    let entry = start.on.and_then(edge_of).map(|e| {
-        let edge = space.edge(e);
-        let e = if edge.cell == start.cell.0 {
-            e
-        } else {
-            edge.twin
-        };
-        e - space.cell(start.cell.0).first
-    });
+    let entry = entry_of(space, start).map(|e| e - space.cell(start.cell.0).first);
     let (mut cell, mut entry) = (start.cell.0, entry.unwrap_or(INSIDE));
     if let Some(on) = start
         .on

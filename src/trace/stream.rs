@@ -20,46 +20,68 @@
 use fearless_simd::{Level, Simd, dispatch};
 
 mod lanes;
+mod own;
 mod tell;
 
-use super::cast::{Met, Place, edge_of};
+use super::cast::{Met, Place};
 use super::ray::Ray;
 use super::space::Space;
 use lanes::{Bound, Exits, Going, exactly, leave};
+use own::Own;
 use tell::tell;
 
 /// Places for rays: as many as the cache nearest but one holds.
 const PLACES: usize = 4096;
 
-/// What the rays meet; `out` is told of each by its number, in order.
-pub fn cast(
-    space: &Space,
-    rays: impl IntoIterator<Item = (Ray, Place)>,
-    out: impl FnMut(u32, Option<Met>),
-) {
-    cast_at(Level::new(), space, rays, out);
+/// What is needed to cast rays without order in a space, again and again.
+pub struct Stream<'a> {
+    space: &'a Space,
+    level: Level,
+    queues: Queues,
 }
 
-/// As [`cast`], with the vectors of this level.
-pub(super) fn cast_at(
-    level: Level,
-    space: &Space,
-    rays: impl IntoIterator<Item = (Ray, Place)>,
-    mut out: impl FnMut(u32, Option<Met>),
-) {
-    let mut rays = rays.into_iter();
-    let mut queues = Queues::new(space);
-    let mut number = 0;
-    loop {
-        dispatch!(level, simd => queues.fill(simd, space, &mut rays));
-        if queues.batch.is_empty() {
-            return;
+impl<'a> Stream<'a> {
+    /// For this space: O(edges + cells).
+    pub fn new(space: &'a Space) -> Self {
+        Self::at(Level::new(), space)
+    }
+
+    /// With the vectors of this level.
+    pub(super) fn at(level: Level, space: &'a Space) -> Self {
+        Self {
+            space,
+            level,
+            queues: Queues::new(space),
         }
-        dispatch!(level, simd => queues.run(simd, space));
-        let n = queues.batch.len();
-        let ends = &queues.rays[1..=n];
-        dispatch!(level, simd => tell(simd, space, &queues.batch, ends, number, &mut out));
-        number += n as u32;
+    }
+
+    /// What the rays meet; `out` is told of each by its number, in order.
+    pub fn cast(
+        &mut self,
+        rays: impl IntoIterator<Item = (Ray, Place)>,
+        mut out: impl FnMut(u32, Option<Met>),
+    ) {
+        let Self {
+            space,
+            level,
+            queues,
+        } = self;
+        let mut rays = rays.into_iter();
+        let mut number = 0;
+        loop {
+            queues.batch.clear();
+            let some = rays.by_ref().take(PLACES - 1);
+            queues.batch.extend(some.map(|ray| Own::new(space, ray)));
+            let n = queues.batch.len();
+            if n == 0 {
+                return;
+            }
+            dispatch!(*level, simd => queues.fill(simd));
+            dispatch!(*level, simd => queues.run(simd, space));
+            let (batch, edges) = (&queues.batch, &queues.edges[1..=n]);
+            dispatch!(*level, simd => tell(simd, space, batch, edges, number, &mut out));
+            number += n as u32;
+        }
     }
 }
 
@@ -71,8 +93,10 @@ const NOBODY: u16 = 0;
 struct Queues {
     bound: Bound,
     /// The rays as they came; the others have numbers greater by 1.
-    batch: Vec<(Ray, Place)>,
+    batch: Vec<Own>,
     rays: Box<[Going; PLACES]>,
+    /// The last edge to which each came; [`u32::MAX`] for none, or where it is not known.
+    edges: Box<[u32; PLACES]>,
     /// Whoever came last to each list.
     heads: Vec<u16>,
     /// Who came before each ray, to the same list.
@@ -90,6 +114,7 @@ impl Queues {
             bound: Bound::new(&space.layout),
             batch: Vec::with_capacity(PLACES),
             rays: Box::new([Going::NOBODY; PLACES]),
+            edges: Box::new([u32::MAX; PLACES]),
             heads: vec![NOBODY; lists],
             before: Box::new([NOBODY; PLACES]),
             turns: vec![0; (lists + 1).next_power_of_two()],
@@ -97,32 +122,22 @@ impl Queues {
         }
     }
 
-    /// Puts the next rays where they start.
+    /// Puts the rays of the batch where they start.
     #[inline(always)]
-    fn fill<S: Simd>(
-        &mut self,
-        _: S,
-        space: &Space,
-        input: &mut impl Iterator<Item = (Ray, Place)>,
-    ) {
-        self.batch.clear();
+    fn fill<S: Simd>(&mut self, simd: S) {
         let (rays, before) = (&mut *self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut self.turns[..]);
         let turn = turns.len() - 1;
         let mut given = 0;
-        for (ray, place) in input.take(PLACES - 1) {
-            self.batch.push((ray, place));
-            let number = self.batch.len() % PLACES;
-            let (going, fits) = Going::new(&ray, &self.bound);
+        for (own, number) in self.batch.iter().zip(1..) {
+            let number: usize = number % PLACES;
+            let (going, fits) = Going::new(simd, own, &self.bound);
             rays[number] = going;
+            self.edges[number] = u32::MAX;
             if !fits {
                 continue;
             }
-            let list = match place.on.and_then(edge_of) {
-                Some(e) if space.edge(e).cell == place.cell.0 => e,
-                Some(e) => space.edge(e).twin,
-                None => space.edges.len() as u32 + place.cell.0,
-            };
+            let list = own.list();
             let head = &mut heads[list as usize];
             turns[given & turn] = list;
             given += usize::from(*head == NOBODY);
@@ -135,8 +150,9 @@ impl Queues {
     /// Takes all rays to their ends.
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, space: &Space) {
-        let (rays, before) = (&mut *self.rays, &mut *self.before);
+        let (rays, before) = (&*self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut self.turns[..]);
+        let edges = &mut *self.edges;
         let (layout, bound) = (&space.layout, &self.bound);
         let ended = heads.len() as u32 - 1;
         let turn = turns.len() - 1;
@@ -149,7 +165,12 @@ impl Queues {
             if taken == round {
                 (rounds, round) = (rounds + 1, given);
                 if rounds > space.cells.len() {
-                    lose(rays, before, heads, (taken..given).map(|k| turns[k & turn]));
+                    lose(
+                        edges,
+                        before,
+                        heads,
+                        (taken..given).map(|k| turns[k & turn]),
+                    );
                     break;
                 }
             }
@@ -168,14 +189,14 @@ impl Queues {
                     let k = exits.doubt.trailing_zeros() as usize;
                     exits.doubt &= exits.doubt - 1;
                     if these[k] != NOBODY {
-                        let (ray, _) = &self.batch[these[k] as usize - 1];
-                        (exits.to[k], exits.edge[k]) = exactly(space, list, ended, ray);
+                        let own = &self.batch[these[k] as usize - 1];
+                        (exits.to[k], exits.edge[k]) = exactly(space, list, ended, own);
                     }
                 }
                 let Exits { to, edge, .. } = exits;
                 for k in 0..8 {
                     let ray = these[k] as usize % PLACES;
-                    rays[ray].come_to(edge[k]);
+                    edges[ray] = edge[k];
                     let head = &mut heads[to[k] as usize];
                     turns[given & turn] = to[k];
                     given += usize::from(*head == NOBODY);
@@ -193,7 +214,7 @@ impl Queues {
 /// out of their circles.
 #[cold]
 fn lose(
-    rays: &mut [Going; PLACES],
+    edges: &mut [u32; PLACES],
     before: &[u16; PLACES],
     heads: &mut [u16],
     lists: impl Iterator<Item = u32>,
@@ -201,7 +222,7 @@ fn lose(
     for list in lists {
         let mut ray = std::mem::replace(&mut heads[list as usize], NOBODY);
         while ray != NOBODY {
-            rays[ray as usize].come_to(u32::MAX);
+            edges[ray as usize] = u32::MAX;
             ray = before[ray as usize];
         }
     }

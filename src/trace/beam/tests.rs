@@ -204,7 +204,7 @@ fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
         .collect();
     for level in [Simds::new(), Simds::baseline()] {
         let mut met = vec![None; rays.len()];
-        stream::cast_at(level, space, rays.iter().copied(), |i, m| {
+        stream::Stream::at(level, space).cast(rays.iter().copied(), |i, m| {
             assert!(met[i as usize].is_none(), "twice");
             met[i as usize] = Some(m);
         });

@@ -4,22 +4,23 @@
 //! and the list it joins then: the choices of [`super::super::walk`], always.
 //!
 //! **How far f32 may be off.** u is its rounding, 2⁻²⁴; E the largest coordinate of a corner; H the
-//! larger of E and the largest height. A direction d is taken times a power of two such that
-//! 1 ≤ |x| + |y| < 2, which changes no sign. Rays that start outside E and H go singly, as do all if
-//! E or H is beyond 2^±80; so nothing under- or overflows that matters.
+//! larger of E and the largest height; s = |d.x| + |d.y| of a direction d. Rays that start outside E
+//! and H go singly, as do those that are longer than 2³⁰ or, on the plan, shorter than 2⁻³⁰, and all if
+//! E or H is beyond 2^±40; so nothing under- or overflows that matters.
 //!
 //! *Side of a corner v*: d.x v.y − d.y v.x − c, with c = d × origin from f64. Rounding d, v and c
-//! costs up to 2uE each, the products 2uE, the two sums 4uE each: together 16uE; the walk's own
-//! rounding in f64 is far less than uE. So a side larger than [`SIDE`] uE = 40uE has the walk's sign.
-//! If all corners asked have that, the exit is the walk's: the first edge from right to left.
+//! costs up to uEs each, the products uEs, the two sums 2uEs each: together 8uEs; the walk's own
+//! rounding in f64 is far less than uEs. So a side larger than [`SIDE`] uEs = 20uEs has the walk's
+//! sign. If all corners asked have that, the exit is the walk's: the first edge from right to left.
 //!
-//! *Height at the exit*: q = n·(a − origin) / n·d, with the edge's normal n and start a. Both ends
-//! being 40uE away, n·d is at least 48uE / |b − a| ≥ 16u, and its own error at most 8u: it is right
-//! within a factor 1.5. The numerator's error is at most 11uE. Hence q is off by at most
-//! u (17E + 17|q|) / n·d, and z = origin.z + q d.z, with its own rounding, by at most
-//! |d.z| u (18E + 24|q|) / n·d + 2uH, the walk's rounding included, which is less than uE / 32 / n·d
-//! since the exit is 48uE wide. [`HEIGHT`] = 32 stands for both 18 and 24, 4uH for 2uH and the rounding
-//! of the heights with which z is compared. A z farther than that from both has the walk's answer.
+//! *Height at the exit*: the ray is there at t = q / m, with q = n·(a − origin), m = n·d, the edge's
+//! outer unit normal n and its start a; or at t = 0, if rounding has put that behind it. Both ends
+//! being 20uEs away, m is at least 24uEs / |b − a| ≥ 8us, and off by at most 4us: positive. So the ray
+//! is not below a height h if max(q, 0) d.z − (h − origin.z) m is not negative: no division. q is at
+//! most 2.9E and off by at most 11uE, so the first product by 17uE |d.z|; m is at most s, h − origin.z
+//! at most 2H and off by 4uH, so the second product by 12uHs; the difference itself is rounded by
+//! 3uE |d.z| + 2uHs. [`WAY`] = 32 and [`HEIGHT`] = 24 stand for the sums 20 and 14, which covers
+//! vectors that round products by themselves, and the walk's own rounding, which is far less.
 
 use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*, u32x8};
 
@@ -27,93 +28,80 @@ use super::super::cast::Course;
 use super::super::layout::{Layout, Side};
 use super::super::ray::Ray;
 use super::super::space::Space;
+use super::own::{Own, cell_and_entry};
 
 /// A rounding.
 const U: f64 = f32::EPSILON as f64 / 2.0;
 /// See above.
-const SIDE: f64 = 40.0;
+const SIDE: f64 = 20.0;
 /// See above.
-const HEIGHT: f64 = 32.0;
+const WAY: f64 = 32.0;
+/// See above.
+const HEIGHT: f64 = 24.0;
 
 /// What rounding may have done in a space.
 #[derive(Clone, Copy)]
 pub(super) struct Bound {
-    /// To sides.
+    /// To sides, for each unit of a direction on the plan.
     side: f32,
-    /// To heights: where the exit is right before the ray,
-    near: f32,
-    /// for each unit of the way,
+    /// To heights, for each unit of d.z,
     way: f32,
-    /// and in any case.
+    /// and for each unit on the plan.
     height: f32,
-    /// Where rays may start, on the plan and in height.
-    reach: [f64; 2],
+    /// How large the numbers of a [`Going`] may be.
+    most: [f32; 8],
 }
+
+/// A direction may have components as large as this; on the plan, they must not be smaller than its
+/// inverse.
+const LONG: f32 = (1 << 30) as f32;
 
 impl Bound {
     pub fn new(layout: &Layout) -> Self {
         let (extent, high) = (layout.extent, layout.rise.max(layout.extent));
-        let most = 2f64.powi(80);
+        let most = 2f64.powi(40);
         let fits = (most.recip()..most).contains(&extent) && high < most;
+        let [e, h] = if fits { [extent, high] } else { [-1.0; 2] }.map(|v| v as f32);
         Self {
             side: (SIDE * U * extent) as f32,
-            near: (HEIGHT * U * extent) as f32,
-            way: (HEIGHT * U) as f32,
-            height: (4.0 * U * high) as f32,
-            reach: if fits { [extent, high] } else { [-1.0; 2] },
+            way: (WAY * U * extent) as f32,
+            height: (HEIGHT * U * high) as f32,
+            most: [e, e, h, LONG, LONG, LONG, f32::INFINITY, 0.0],
         }
     }
 }
 
-/// A ray under way: half a cache line.
+/// A ray under way, half a cache line: its origin, its direction, and their product on the plan.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
-pub(super) struct Going {
-    /// Direction on the plan, its product with the origin, x of the origin.
-    plan: [f32; 4],
-    /// y and z of the origin, z of the direction; the bits of the last edge to which it came,
-    /// [`u32::MAX`] for none.
-    rest: [f32; 4],
-}
+pub(super) struct Going([f32; 8]);
 
 impl Going {
     /// One for which all corners are on the left.
-    pub const NOBODY: Self = Self {
-        plan: [0.0, 0.0, -f32::MAX, 0.0],
-        rest: [0.0; 4],
-    };
+    pub const NOBODY: Self = Self([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -f32::MAX, 0.0]);
 
     /// And whether it may go with others.
     #[inline(always)]
-    pub fn new(ray: &Ray, bound: &Bound) -> (Self, bool) {
-        let (o, d) = (ray.origin, ray.direction);
-        let size = d.x.abs() + d.y.abs();
-        // With the same exponent below 0 that the size has above.
-        let exponent = size.to_bits() & 0x7ff0_0000_0000_0000;
-        let d = d * f64::from_bits(0x7fe0_0000_0000_0000_u64.wrapping_sub(exponent));
-        let [reach, high] = bound.reach;
-        let fits = (o.x.abs() <= reach)
-            & (o.y.abs() <= reach)
-            & (o.z.abs() <= high)
-            & (d.z.abs() <= 1e6)
-            & (1e-150..1e150).contains(&size);
+    pub fn new<S: Simd>(simd: S, own: &Own, bound: &Bound) -> (Self, bool) {
+        let Ray {
+            origin: o,
+            direction: d,
+        } = own.ray();
         let across = d.x * o.y - d.y * o.x;
-        let going = Self {
-            plan: [d.x as f32, d.y as f32, across as f32, o.x as f32],
-            rest: [o.y as f32, o.z as f32, d.z as f32, f32::from_bits(u32::MAX)],
-        };
-        (going, fits)
-    }
-
-    /// The last edge to which it came.
-    #[inline(always)]
-    pub fn edge(&self) -> u32 {
-        self.rest[3].to_bits()
-    }
-
-    #[inline(always)]
-    pub fn come_to(&mut self, edge: u32) {
-        self.rest[3] = f32::from_bits(edge);
+        let going = [
+            o.x as f32,
+            o.y as f32,
+            o.z as f32,
+            d.x as f32,
+            d.y as f32,
+            d.z as f32,
+            across as f32,
+            0.0,
+        ];
+        let size = f32x8::load_array_ref(simd, &going).abs();
+        let fits = size.simd_le(f32x8::load_array_ref(simd, &bound.most));
+        let fits = fits.all_true() & (going[3].abs() + going[4].abs() >= LONG.recip());
+        (Self(going), fits)
     }
 }
 
@@ -135,17 +123,17 @@ pub(super) fn leave<S: Simd>(
     ended: u32,
     r: [&Going; 8],
 ) -> Exits {
-    let [dx, dy, c, ox] = transposed([
-        pair(simd, &r[0].plan, &r[4].plan),
-        pair(simd, &r[1].plan, &r[5].plan),
-        pair(simd, &r[2].plan, &r[6].plan),
-        pair(simd, &r[3].plan, &r[7].plan),
+    let [ox, oy, oz, dx] = transposed([
+        pair(simd, r[0], r[4], 0),
+        pair(simd, r[1], r[5], 0),
+        pair(simd, r[2], r[6], 0),
+        pair(simd, r[3], r[7], 0),
     ]);
-    let [oy, oz, dz, _] = transposed([
-        pair(simd, &r[0].rest, &r[4].rest),
-        pair(simd, &r[1].rest, &r[5].rest),
-        pair(simd, &r[2].rest, &r[6].rest),
-        pair(simd, &r[3].rest, &r[7].rest),
+    let [dy, dz, c, _] = transposed([
+        pair(simd, r[0], r[4], 4),
+        pair(simd, r[1], r[5], 4),
+        pair(simd, r[2], r[6], 4),
+        pair(simd, r[3], r[7], 4),
     ]);
     let all = |v: f32| f32x8::splat(simd, v);
     let number = |v: u32| u32x8::splat(simd, v);
@@ -172,14 +160,16 @@ pub(super) fn leave<S: Simd>(
         edge = exits.select(number(s.edge), edge);
         to = from;
     }
-    let per = all(1.0) / (nx * dx + ny * dy);
-    let way = (offset - nx * ox - ny * oy) * per;
-    let z = way.max(zero).mul_add(dz, oz);
-    let error = way.abs().mul_add(all(bound.way), all(bound.near));
-    let error = (dz * per).abs().mul_add(error, all(bound.height));
-    let clear = (z - low).abs().min((z - high).abs());
-    let doubt = least.simd_le(bound.side) | clear.simd_le(error);
-    let passes = z.simd_ge(low) & z.simd_le(high);
+    let m = nx.mul_add(dx, ny * dy);
+    let q = (-nx).mul_add(ox, (-ny).mul_add(oy, offset));
+    let up = q.max(zero) * dz;
+    let over = (oz - low).mul_add(m, up);
+    let under = (high - oz).mul_add(m, -up);
+    let between = over.min(under);
+    let size = dx.abs() + dy.abs();
+    let error = dz.abs().mul_add(all(bound.way), size * all(bound.height));
+    let doubt = least.simd_le(size * all(bound.side)) | between.abs().simd_le(error);
+    let passes = between.simd_gt(zero);
     Exits {
         to: passes.select(twin, number(ended)).to_array(),
         edge: edge.to_array(),
@@ -190,14 +180,9 @@ pub(super) fn leave<S: Simd>(
 /// As the walk does it: the list that the ray joins, and the edge to which it comes.
 #[cold]
 #[inline(never)]
-pub(super) fn exactly(space: &Space, list: u32, ended: u32, ray: &Ray) -> (u32, u32) {
-    let n_edges = space.edges.len() as u32;
-    let (cell, entry) = if list < n_edges {
-        (space.edge(list).cell, Some(list))
-    } else {
-        (list - n_edges, None)
-    };
-    let Some(exit) = Course::new(space, *ray).exit(space.cell(cell), entry) else {
+pub(super) fn exactly(space: &Space, list: u32, ended: u32, own: &Own) -> (u32, u32) {
+    let (cell, entry) = cell_and_entry(space, list);
+    let Some(exit) = Course::new(space, own.ray()).exit(space.cell(cell.0), entry) else {
         return (ended, u32::MAX);
     };
     let gate = &space.layout.gates[exit.edge as usize];
@@ -205,9 +190,11 @@ pub(super) fn exactly(space: &Space, list: u32, ended: u32, ray: &Ray) -> (u32, 
     (if passes { gate.twin } else { ended }, exit.edge)
 }
 
+/// Four numbers of two rays.
 #[inline(always)]
-fn pair<S: Simd>(simd: S, a: &[f32; 4], b: &[f32; 4]) -> f32x8<S> {
-    f32x4::load_array_ref(simd, a).combine(f32x4::load_array_ref(simd, b))
+fn pair<S: Simd>(simd: S, a: &Going, b: &Going, at: usize) -> f32x8<S> {
+    let four = |ray: &Going| f32x4::from_slice(simd, &ray.0[at..at + 4]);
+    four(a).combine(four(b))
 }
 
 /// Four rows to four columns, in both halves.
