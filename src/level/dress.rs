@@ -49,15 +49,37 @@ impl PictureName {
 }
 
 /// What lies on a floor or ceiling.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Cover {
-    /// A picture, its texels on the map's grid.
-    Picture(PictureId),
+    /// A picture, and how it lies.
+    Picture(PictureId, Lie),
     /// The sky is seen instead.
     Sky,
     /// Nothing is named.
     #[default]
     Bare,
+}
+
+/// How a picture lies on a floor or ceiling. As it is, its texels are those of the map's grid, north
+/// up: the point (x, y) is in column x, row -y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lie {
+    /// Added to column and row, before they are scaled.
+    pub offset: DVec2,
+    /// Texels to a unit: at 2 the picture is half as large; a negative one mirrors it. Not 0.
+    pub scale: DVec2,
+    /// Degrees by which the picture is turned, clockwise as seen from above.
+    pub turn: f64,
+}
+
+impl Default for Lie {
+    fn default() -> Self {
+        Self {
+            offset: DVec2::ZERO,
+            scale: DVec2::ONE,
+            turn: 0.0,
+        }
+    }
 }
 
 /// What hangs on a linedef.

@@ -9,7 +9,8 @@
 //!   on the floor if the lower texture is unpegged. An upper texture stands on its lower edge,
 //!   or hangs from the ceiling if unpegged. A lower texture hangs from its upper edge, or is
 //!   counted from the ceiling if unpegged.
-//! - On floors and ceilings pictures lie side by side from the origin of coordinates, north up.
+//! - On floors and ceilings pictures lie side by side from the origin of coordinates, north up; in text
+//!   maps they may be turned about it, then moved, then scaled (GZDoom's `hw_flats.cpp`).
 //! - A middle texture in an opening is drawn once, not repeated upwards; its holes let rays pass.
 //! - The sky is a cylinder infinitely far away, 256 columns to a quarter turn, running to the *left* as
 //!   in the game, row 100 at the horizon. Towards its top it fades into the mean colour of its uppermost row,
@@ -374,13 +375,16 @@ impl<'a> Tailor<'a> {
         match cover {
             Cover::Sky => Wear::Sky,
             Cover::Bare => Wear::Bare,
-            Cover::Picture(picture) => self.picture(Layout {
-                picture: picture.0,
-                across: DVec3::X,
-                down: DVec3::NEG_Y,
-                at: DVec2::ZERO,
-                once: false,
-            }),
+            Cover::Picture(picture, lie) => {
+                let (sin, cos) = lie.turn.to_radians().sin_cos();
+                self.picture(Layout {
+                    picture: picture.0,
+                    across: DVec3::new(cos, -sin, 0.0) * lie.scale.x,
+                    down: DVec3::new(-sin, -cos, 0.0) * lie.scale.y,
+                    at: lie.offset * lie.scale,
+                    once: false,
+                })
+            }
         }
     }
 

@@ -170,6 +170,7 @@ fn sector(r: &Record<'_>) -> RawSector {
         ceiling: r.i16(2).into(),
         floor_flat: name_from(&r.0[4..12]),
         ceiling_flat: name_from(&r.0[12..20]),
+        lies: Default::default(),
         light: r.i16(20).into(),
         special: r.u16(22).into(),
         tags: if tag == 0 { vec![] } else { vec![tag.into()] },

@@ -7,7 +7,9 @@ use std::collections::HashMap;
 
 use super::raw::{RawLine, RawMap};
 use super::surfaces::{Shift, SideSurface};
-use crate::level::dress::{Cover, Dress, Hanging, LineDress, PictureId, PictureName, SideDress};
+use crate::level::dress::{
+    Cover, Dress, Hanging, Lie, LineDress, PictureId, PictureName, SideDress,
+};
 
 /// The flat that stands for the sky.
 const SKY_FLAT: &str = "F_SKY1";
@@ -34,15 +36,18 @@ pub fn dress(raw: &RawMap, map: &str) -> Dress {
     let mut pictures = Pictures::default();
     let lines = raw.lines.iter().map(|l| line(raw, l, &mut pictures));
     let lines: Vec<LineDress> = lines.collect();
-    let mut flat = |name: &String| match super::binary::texture_name(name) {
+    let mut flat = |name: &String, lie: Lie| match super::binary::texture_name(name) {
         Some(name) if name == SKY_FLAT => Cover::Sky,
-        Some(name) => Cover::Picture(pictures.id(PictureName::Flat(name))),
+        Some(name) => Cover::Picture(pictures.id(PictureName::Flat(name)), lie),
         None => Cover::Bare,
     };
     let flats: Vec<[Cover; 2]> = raw
         .sectors
         .iter()
-        .map(|s| [flat(&s.floor_flat), flat(&s.ceiling_flat)])
+        .map(|s| {
+            let [floor, ceiling] = s.lies;
+            [flat(&s.floor_flat, floor), flat(&s.ceiling_flat, ceiling)]
+        })
         .collect();
     let open = flats.iter().flatten().any(|&c| c == Cover::Sky);
     let sky = open.then(|| pictures.id(PictureName::Texture(sky_of(map).to_string())));

@@ -3,6 +3,8 @@
 
 use glam::DVec2;
 
+use crate::level::dress::Lie;
+
 /// The lists of a map, each in the source's order, so that numbers are those of an editor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RawMap {
@@ -82,6 +84,8 @@ pub struct RawSector {
     pub floor_flat: String,
     /// Flat on the ceiling.
     pub ceiling_flat: String,
+    /// How the flats lie, on the floor and on the ceiling.
+    pub lies: [Lie; 2],
     /// Light level, 0 to 255 (sometimes beyond).
     pub light: i32,
     /// Number of the special, 0 for none.

@@ -16,6 +16,7 @@ use super::raw::{RawLine, RawMap, RawSector, RawSide, Specials, Thing};
 use super::surfaces::{Shift, SideSurface};
 use super::text::{self, Block, Document, Field, Spot, TextError, TextProblem, Value};
 use crate::level::Place;
+use crate::level::dress::Lie;
 use crate::level::wad::{Wad, WadMap};
 
 /// Stands for an index that points to nothing, whatever the text says.
@@ -176,10 +177,23 @@ fn sector(block: &Block) -> Result<RawSector, TextError> {
         ceiling: block.number("heightceiling", 0.0)?,
         floor_flat: flat("texturefloor")?,
         ceiling_flat: flat("textureceiling")?,
+        lies: [lie(block, "floor")?, lie(block, "ceiling")?],
         light: block.integer("lightlevel", 160)?,
         special: block.integer("special", 0)?,
         tags,
         sloped: block.fields.iter().any(plane),
+    })
+}
+
+/// ZDoom's fields for a floor's or ceiling's flat. A scale of 0 counts as 1.
+fn lie(block: &Block, part: &str) -> Result<Lie, TextError> {
+    let number = |what: &str, default| block.number(&format!("{what}{part}"), default);
+    let usable = |scale: f64| if scale == 0.0 { 1.0 } else { scale };
+    let scale = DVec2::new(number("xscale", 1.0)?, number("yscale", 1.0)?);
+    Ok(Lie {
+        offset: DVec2::new(number("xpanning", 0.0)?, number("ypanning", 0.0)?),
+        scale: scale.map(usable),
+        turn: number("rotation", 0.0)?,
     })
 }
 

@@ -261,7 +261,7 @@ fn flats<'a>(level: &'a Level, sector: SectorId, list: &mut Vec<Worn<'a>>) {
     let dress = &level.scene.dress;
     if !dress.is_empty() {
         for cover in [dress.floor(sector), dress.ceiling(sector)] {
-            if let Cover::Picture(p) = cover {
+            if let Cover::Picture(p, _) = cover {
                 list.push(Worn::Picture(p.0));
             }
         }

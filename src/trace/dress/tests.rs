@@ -237,6 +237,19 @@ fn flats_lie_on_the_grid_of_the_map() {
 }
 
 #[test]
+fn flats_are_turned_moved_and_scaled() {
+    let lies = "xpanningfloor = 16; ypanningfloor = 8; xscalefloor = 2; yscalefloor = 0.5;
+        rotationfloor = 90; yscaleceiling = -1; xpanningceiling = 3; xscaleceiling = 0;";
+    let rooms = dressed(&rooms("", "", lies, ""), Doors::Open);
+    let seen = |z| rooms.look([10.25, 20.75, 60.0], [0.0, 0.0, z]);
+    // Turned by 90° the point is in column -20.75, row -10.25; moved in column -4.75, row -2.25; scaled
+    // in column -9.5, row -1.125. Of 64: 54 and 62.
+    assert_eq!(seen(-1.0), texel(54, 62, 2));
+    // Column 13.25; row -20.75 mirrored. A scale of 0 is none.
+    assert_eq!(seen(1.0), texel(13, 20, 2));
+}
+
+#[test]
 fn what_is_not_dressed_shows_what_lies_beyond() {
     let side = "texturetop = \"-\"; texturebottom = \"-\"; texturemiddle = \"NONE\";";
     let closed = dressed(&rooms("", side, "", ""), Doors::Open);

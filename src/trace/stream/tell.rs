@@ -52,14 +52,14 @@ fn tell_some<S: Simd>(
     let faces = [of(edges[0]), of(edges[1]), of(edges[2]), of(edges[3])];
     let (t, places) = four(simd, space, rays, faces);
     for k in 0..n {
-        let found = if edges[k] == u32::MAX {
+        let number = number + k as u32;
+        if edges[k] == u32::MAX {
             // Straight up or down, grazing a cell in a corner, or not fit for a queue.
             let (cell, entry) = cell_and_entry(space, rays[k].list());
-            walk_on(space, &rays[k].ray(), cell, entry)
+            out(number, walk_on(space, &rays[k].ray(), cell, entry));
         } else {
-            Some(met(faces[k], edges[k], t[k], places >> k))
-        };
-        out(number + k as u32, found);
+            out(number, Some(met(faces[k], edges[k], t[k], places >> k)));
+        }
     }
 }
 
