@@ -15,8 +15,9 @@
 //! maps: a ray crosses 1.8–4.3 cells and asks five corners in each; 87–97% of the lanes are used.
 //! Batches of half and of twice the size, and storing one vector's exits during the next one's, change
 //! less than the noise; to take the newest queue first is slower. So is one ray at a time with all
-//! corners of its cell in a vector, eight such in turn. Rays that move from lot to lot in columns, packed
-//! as they leave, are as fast; vectors of sixteen are slower with AVX2 and gain a twelfth with AVX-512.)
+//! corners of its cell in a vector, four to sixteen such in turn, with and without branches. Rays that
+//! move from lot to lot in columns, packed as they leave, are no faster, nor are vectors of sixteen, on
+//! AVX-512 either.)
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -102,8 +103,8 @@ struct Queues {
     heads: Vec<u16>,
     /// Who came before each ray, to the same list.
     before: Box<[u16; PLACES]>,
-    /// Lists with rays, in a ring.
-    turns: Vec<u32>,
+    /// Lists with rays, in a ring: never more of them than rays.
+    turns: Box<[u32; PLACES]>,
     /// Number of turns so far given out.
     given: usize,
 }
@@ -118,7 +119,7 @@ impl Queues {
             edges: Box::new([u32::MAX; PLACES]),
             heads: vec![NOBODY; lists],
             before: Box::new([NOBODY; PLACES]),
-            turns: vec![0; (lists + 1).next_power_of_two()],
+            turns: Box::new([0; PLACES]),
             given: 0,
         }
     }
@@ -127,8 +128,7 @@ impl Queues {
     #[inline(always)]
     fn fill<S: Simd>(&mut self, simd: S) {
         let (rays, before) = (&mut *self.rays, &mut *self.before);
-        let (heads, turns) = (&mut self.heads[..], &mut self.turns[..]);
-        let turn = turns.len() - 1;
+        let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
         let mut given = 0;
         for (own, number) in self.batch.iter().zip(1..) {
             let number: usize = number % PLACES;
@@ -140,7 +140,7 @@ impl Queues {
             }
             let list = own.list();
             let head = &mut heads[list as usize];
-            turns[given & turn] = list;
+            turns[given % PLACES] = list;
             given += usize::from(*head == NOBODY);
             before[number] = *head;
             *head = number as u16;
@@ -152,11 +152,10 @@ impl Queues {
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, space: &Space) {
         let (rays, before) = (&*self.rays, &mut *self.before);
-        let (heads, turns) = (&mut self.heads[..], &mut self.turns[..]);
+        let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
         let edges = &mut *self.edges;
         let (layout, bound) = (&space.layout, &self.bound);
         let ended = heads.len() as u32 - 1;
-        let turn = turns.len() - 1;
         // Never empty, so that it is never its turn.
         heads[ended as usize] = 1;
         let (mut given, mut taken) = (self.given, 0);
@@ -170,12 +169,12 @@ impl Queues {
                         edges,
                         before,
                         heads,
-                        (taken..given).map(|k| turns[k & turn]),
+                        (taken..given).map(|k| turns[k % PLACES]),
                     );
                     break;
                 }
             }
-            let list = turns[taken & turn];
+            let list = turns[taken % PLACES];
             taken += 1;
             let [first, past] = layout.asked[list as usize];
             let sides = &layout.sides[first as usize..past as usize];
@@ -199,7 +198,7 @@ impl Queues {
                     let ray = these[k] as usize % PLACES;
                     edges[ray] = edge[k];
                     let head = &mut heads[to[k] as usize];
-                    turns[given & turn] = to[k];
+                    turns[given % PLACES] = to[k];
                     given += usize::from(*head == NOBODY);
                     before[ray] = *head;
                     *head = these[k] | u16::from(to[k] == ended);

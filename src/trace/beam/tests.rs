@@ -12,7 +12,7 @@ use crate::trace::camera::Camera;
 use crate::trace::cast::{Met, Place, walk};
 use crate::trace::sampling::Source;
 use crate::trace::shadow::{self, Lamp};
-use crate::trace::stream;
+use crate::trace::stream::Stream;
 
 /// What was compared: pixels, shadow rays of which so many are lit, rays of streams.
 #[derive(Debug, Default)]
@@ -203,15 +203,23 @@ fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
         .map(|(ray, place)| walk(space, ray, *place, f64::INFINITY, |_, _| f64::INFINITY))
         .collect();
     for level in [Simds::new(), Simds::baseline()] {
-        let mut met = vec![None; rays.len()];
-        stream::Stream::at(level, space).cast(rays.iter().copied(), |i, m| {
-            assert!(met[i as usize].is_none(), "twice");
-            met[i as usize] = Some(m);
-        });
-        for (i, (met, single)) in met.iter().zip(&single).enumerate() {
-            assert_eq!(met.as_ref(), Some(single), "{:?}", rays[i]);
-            let bits = |met: Option<Met>| met.map(|met| met.t.to_bits());
-            assert_eq!(met.map(bits), Some(bits(*single)), "{:?}", rays[i]);
+        let mut stream = Stream::at(level, space);
+        // Once all together, then some at a time: what was there before leaves nothing behind.
+        for some in [rays.len().max(1), 1000] {
+            let mut met = Vec::new();
+            for rays in rays.chunks(some) {
+                let so_far = met.len();
+                stream.cast(rays.iter().copied(), |i, m| {
+                    assert_eq!(so_far + i as usize, met.len(), "in order");
+                    met.push(m);
+                });
+            }
+            assert_eq!(met.len(), rays.len());
+            for (i, (met, single)) in met.iter().zip(&single).enumerate() {
+                assert_eq!(met, single, "{:?}", rays[i]);
+                let bits = |met: &Option<Met>| met.map(|met| met.t.to_bits());
+                assert_eq!(bits(met), bits(single), "{:?}", rays[i]);
+            }
         }
     }
     sum.streamed += rays.len();
