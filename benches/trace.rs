@@ -57,7 +57,7 @@ const PATIENCE: f64 = 0.02;
 const CLASSES: [&str; 3] = ["primary", "shadow", "incoherent"];
 
 fn main() {
-    // cargo passes --bench; a filter names maps.
+    // cargo passes --bench; a filter names maps and kinds of rays.
     let (flags, wanted): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|a| a.starts_with('-'));
     let quick = flags.iter().any(|f| f == "--quick");
