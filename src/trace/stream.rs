@@ -78,8 +78,8 @@ impl<'a> Stream<'a> {
             if n == 0 {
                 return;
             }
-            dispatch!(*level, simd => queues.fill(simd));
-            dispatch!(*level, simd => queues.run(simd, space));
+            let given = dispatch!(*level, simd => queues.fill(simd));
+            dispatch!(*level, simd => queues.run(simd, space, given));
             let (batch, edges) = (&queues.batch, &queues.edges[1..=n]);
             dispatch!(*level, simd => tell(simd, space, batch, edges, number, &mut out));
             number += n as u32;
@@ -105,8 +105,6 @@ struct Queues {
     before: Box<[u16; PLACES]>,
     /// Lists with rays, in a ring: never more of them than rays.
     turns: Box<[u32; PLACES]>,
-    /// Number of turns so far given out.
-    given: usize,
 }
 
 impl Queues {
@@ -120,13 +118,12 @@ impl Queues {
             heads: vec![NOBODY; lists],
             before: Box::new([NOBODY; PLACES]),
             turns: Box::new([0; PLACES]),
-            given: 0,
         }
     }
 
-    /// Puts the rays of the batch where they start.
+    /// Puts the rays of the batch where they start. Out: the number of turns given out.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S) {
+    fn fill<S: Simd>(&mut self, simd: S) -> usize {
         let (rays, before) = (&mut *self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
         let mut given = 0;
@@ -145,12 +142,12 @@ impl Queues {
             before[number] = *head;
             *head = number as u16;
         }
-        self.given = given;
+        given
     }
 
-    /// Takes all rays to their ends.
+    /// Takes all rays to their ends; so many turns are given out.
     #[inline(always)]
-    fn run<S: Simd>(&mut self, simd: S, space: &Space) {
+    fn run<S: Simd>(&mut self, simd: S, space: &Space, mut given: usize) {
         let (rays, before) = (&*self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
         let edges = &mut *self.edges;
@@ -158,7 +155,7 @@ impl Queues {
         let ended = heads.len() as u32 - 1;
         // Never empty, so that it is never its turn.
         heads[ended as usize] = 1;
-        let (mut given, mut taken) = (self.given, 0);
+        let mut taken = 0;
         // All rays go on by a cell in each round, and no cell is crossed twice.
         let (mut rounds, mut round) = (0, given);
         while taken < given {
