@@ -4,8 +4,9 @@
 //! and edges. The corners of a cell stand eight by eight in two cache lines ([`Block`]), so that a ray
 //! asks eight at once on which side it passes; the signs become bits of a mask, and the edge through
 //! which the ray leaves is found by shifting ([`Turn`]). An edge keeps the heights between which a
-//! ray goes on, and where ([`Gate`]). For rays without order all this stands once more in f32
-//! ([`Side`]), and what they meet at last by edge ([`Face`]).
+//! ray goes on, and where ([`Gate`]). For rays without order all this stands once more in f32: what is
+//! asked of every corner ([`Corner`]), and what is asked of the one edge through which a ray leaves, so
+//! that a vector picks it by number ([`Plate`]). What they meet at last stands by edge ([`Face`], [`Kind`]).
 
 use std::hint::select_unpredictable;
 
@@ -26,13 +27,16 @@ pub struct Layout {
     pub extent: f64,
     /// The greatest height of any gate, without infinite ones.
     pub rise: f64,
-    /// Cell after cell, the sides of each twice over.
-    pub sides: Vec<Side>,
+    /// Cell after cell, the corners of each twice over.
+    pub corners: Vec<Corner>,
+    /// Cell after cell.
+    pub plates: Vec<Plate>,
+    /// What a ray asks, by the edge through which it came; then by the cell in which it starts.
+    pub asked: Vec<Asked>,
     /// By edge.
     pub faces: Vec<Face>,
-    /// The sides that a ray asks, by the edge through which it came; then by the cell in which it
-    /// starts. The corner of the last is the end of the edge before.
-    pub asked: Vec<[u32; 2]>,
+    /// By edge.
+    pub kinds: Vec<Kind>,
 }
 
 /// Where a cell's corners and edges are.
@@ -72,36 +76,62 @@ pub struct Gate {
     pub twin: u32,
 }
 
-/// A corner and the edge from it, rounded.
+/// A corner, rounded.
 #[derive(Clone, Copy, Debug)]
-pub struct Side {
-    /// The corner.
+pub struct Corner {
+    /// Where it is.
     pub at: [f32; 2],
-    /// The edge's unit normal, out of the cell.
-    pub normal: [f32; 2],
-    /// Its product with the corner.
-    pub offset: f32,
+    /// The place in its cell of the edge from it.
+    pub place: u32,
+}
+
+/// Eight edges of a cell, rounded. A last one that is not full begins again with the cell's first.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Plate {
+    /// The x of their unit normals, out of the cell.
+    pub nx: [f32; 8],
+    /// The y of those.
+    pub ny: [f32; 8],
+    /// The product of those with a corner of the edge.
+    pub offset: [f32; 8],
     /// As that of the [`Gate`].
-    pub low: f32,
+    pub low: [f32; 8],
     /// As that of the [`Gate`].
-    pub high: f32,
+    pub high: [f32; 8],
     /// As that of the [`Gate`].
-    pub twin: u32,
-    /// The number of the edge.
+    pub twin: [u32; 8],
+}
+
+/// What rays ask of a cell that came into it through the same edge, or start in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// The first of [`Layout::corners`] that they ask, and the one after the last, which is the end of
+    /// the edge before.
+    pub corners: [u32; 2],
+    /// The cell's first of [`Layout::plates`], and the one after its last.
+    pub plates: [u32; 2],
+    /// The cell's first edge.
     pub edge: u32,
 }
 
-/// All that says on what a ray ends that comes to an edge, and where.
+/// Where an edge stands, and the heights at which rays end that come to it: a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct Face {
-    /// Floor and ceiling of the edge's cell.
+    /// Its start.
+    pub from: [f64; 2],
+    /// Its end.
+    pub to: [f64; 2],
+    /// Floor and ceiling of its cell.
     pub flats: [f64; 2],
     /// Lower and upper end of its opening.
     pub gap: [f64; 2],
-    /// The vertex in which it starts.
-    pub from: u32,
-    /// The vertex in which it ends.
-    pub to: u32,
+}
+
+/// What it is that rays meet at an edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
     /// Its cell.
     pub cell: u32,
     /// 1 if it is a wall, and 2 if it looks outside.
@@ -170,36 +200,56 @@ impl Layout {
         let faces = edges.iter().map(|edge| {
             let own = &cells[edge.cell as usize];
             Face {
+                from: vertices[edge.from as usize].to_array(),
+                to: vertices[edge.to as usize].to_array(),
                 flats: [own.floor, own.ceiling],
                 gap: [edge.bottom, edge.top],
-                from: edge.from,
-                to: edge.to,
-                cell: edge.cell,
-                sort: u32::from(edge.twin == WALL) | u32::from(edge.outside) << 1,
             }
         });
         let faces = faces.collect();
-        let mut sides = Vec::with_capacity(2 * edges.len());
-        let mut asked = vec![[0; 2]; edges.len() + cells.len()];
+        let kinds = edges.iter().map(|edge| Kind {
+            cell: edge.cell,
+            sort: u32::from(edge.twin == WALL) | u32::from(edge.outside) << 1,
+        });
+        let kinds = kinds.collect();
+        let (mut corners, mut plates) = (Vec::with_capacity(2 * edges.len()), Vec::new());
+        let none = Asked {
+            corners: [0; 2],
+            plates: [0; 2],
+            edge: 0,
+        };
+        let mut asked = vec![none; edges.len() + cells.len()];
         for (room, id) in rooms.iter().zip(edges.len()..) {
-            let base = sides.len() as u32;
-            let own = room.first..room.first + room.n;
-            for e in own.clone().chain(own.clone()) {
-                sides.push(Side::new(vertices, edges, &gates, e));
+            let (base, plate, n) = (corners.len() as u32, plates.len() as u32, room.n);
+            corners.extend((0..n).chain(0..n).map(|place| {
+                let from = edges[(room.first + place) as usize].from;
+                let at = vertices[from as usize].as_vec2().to_array();
+                Corner { at, place }
+            }));
+            for eight in 0..n.div_ceil(8) {
+                let own = std::array::from_fn(|k| room.first + (8 * eight + k as u32) % n);
+                plates.push(Plate::new(vertices, edges, &gates, own));
             }
-            for (e, k) in own.zip(1..) {
-                asked[e as usize] = [base + k, base + k + room.n];
+            let those = |corners| Asked {
+                corners,
+                plates: [plate, plates.len() as u32],
+                edge: room.first,
+            };
+            for k in 0..n {
+                asked[(room.first + k) as usize] = those([base + k + 1, base + k + 1 + n]);
             }
-            asked[id] = [base, base + room.n + 1];
+            asked[id] = those([base, base + n + 1]);
         }
         Self {
             rooms,
             blocks,
             gates,
             rise,
-            sides,
-            faces,
+            corners,
+            plates,
             asked,
+            faces,
+            kinds,
             extent: vertices
                 .iter()
                 .fold(0.0, |most, v| v.abs().max_element().max(most)),
@@ -278,19 +328,23 @@ impl Turn {
     }
 }
 
-impl Side {
-    fn new(vertices: &[DVec2], edges: &[Border], gates: &[Gate], e: u32) -> Self {
-        let (edge, gate) = (&edges[e as usize], &gates[e as usize]);
-        let (a, b) = (vertices[edge.from as usize], vertices[edge.to as usize]);
-        let normal = -(b - a).normalize().perp();
+impl Plate {
+    /// Of these edges.
+    fn new(vertices: &[DVec2], edges: &[Border], gates: &[Gate], own: [u32; 8]) -> Self {
+        let normals = own.map(|e| {
+            let edge = &edges[e as usize];
+            let (a, b) = (vertices[edge.from as usize], vertices[edge.to as usize]);
+            let normal = -(b - a).normalize().perp();
+            (normal.as_vec2(), normal.dot(a) as f32)
+        });
+        let gates = own.map(|e| &gates[e as usize]);
         Self {
-            at: a.as_vec2().to_array(),
-            normal: normal.as_vec2().to_array(),
-            offset: normal.dot(a) as f32,
-            low: gate.low as f32,
-            high: gate.high as f32,
-            twin: gate.twin,
-            edge: e,
+            nx: normals.map(|(normal, _)| normal.x),
+            ny: normals.map(|(normal, _)| normal.y),
+            offset: normals.map(|(_, offset)| offset),
+            low: gates.map(|gate| gate.low as f32),
+            high: gates.map(|gate| gate.high as f32),
+            twin: gates.map(|gate| gate.twin),
         }
     }
 }

@@ -8,6 +8,10 @@
 //! leaves and whether it goes on are choices between numbers, and a ray that ends joins a last list
 //! that is never asked. What stopped it is found out afterwards.
 //!
+//! Nor does anything in it wait for what the ray before has done. So a list that gets its first ray is
+//! not told from one that has some: all eight lists that a vector joins are noted for a turn, and
+//! those that are empty when it comes, since others have noted them too, are passed over.
+//!
 //! The eight are asked in f32, and those too near a corner or a height to be sure, one of some
 //! hundreds, in f64 (`lanes`). Only the last edge of each ray is worked out in f64 (`tell`).
 //!
@@ -23,6 +27,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 mod lanes;
 mod own;
+mod shuffle;
 mod tell;
 
 use super::cast::{Met, Place};
@@ -32,8 +37,14 @@ use lanes::{Bound, Exits, Going, exactly, leave};
 use own::Own;
 use tell::tell;
 
-/// Places for rays: as many as the cache nearest but one holds.
+/// Rays that are under way together: as many as the cache nearest but one holds.
 const PLACES: usize = 4096;
+
+/// A batch of them: one place is [`NOBODY`]'s, and fours are filled up.
+const BATCH: usize = PLACES - 4;
+
+/// As many numbers as a `u16` has, so that it needs no check as an index.
+const NUMBERS: usize = 1 << 16;
 
 /// What is needed to cast rays without order in a space, again and again.
 pub struct Stream<'a> {
@@ -72,15 +83,16 @@ impl<'a> Stream<'a> {
         let mut number = 0;
         loop {
             queues.batch.clear();
-            let some = rays.by_ref().take(PLACES - 1);
+            let some = rays.by_ref().take(BATCH);
             queues.batch.extend(some.map(|ray| Own::new(space, ray)));
             let n = queues.batch.len();
-            if n == 0 {
+            let Some(&last) = queues.batch.last() else {
                 return;
-            }
-            let given = dispatch!(*level, simd => queues.fill(simd));
-            dispatch!(*level, simd => queues.run(simd, space, given));
-            let (batch, edges) = (&queues.batch, &queues.edges[1..=n]);
+            };
+            queues.batch.resize(n.next_multiple_of(4), last);
+            dispatch!(*level, simd => queues.fill(simd));
+            dispatch!(*level, simd => queues.run(simd, space));
+            let (batch, edges) = (&queues.batch[..n], &queues.before[1..=n]);
             dispatch!(*level, simd => tell(simd, space, batch, edges, number, &mut out));
             number += n as u32;
         }
@@ -88,149 +100,172 @@ impl<'a> Stream<'a> {
 }
 
 /// Stands for no ray, and is one that goes nowhere: so that lists and vectors may be filled with it.
-const NOBODY: u16 = 0;
+const NOBODY: u32 = 0;
 
 /// Rays in lists, one for each edge through which they came into a cell, then one for each cell in
-/// which they start, and that of those that have ended.
+/// which they start, and eight of those that have ended: the k-th of a vector joins the k-th.
 struct Queues {
     bound: Bound,
-    /// The rays as they came; the others have numbers greater by 1.
+    /// The rays as they came, in fours, the last repeated; the others have numbers greater by 1.
     batch: Vec<Own>,
     rays: Box<[Going; PLACES]>,
-    /// The last edge to which each came; [`u32::MAX`] for none, or where it is not known.
-    edges: Box<[u32; PLACES]>,
     /// Whoever came last to each list.
-    heads: Vec<u16>,
-    /// Who came before each ray, to the same list.
-    before: Box<[u16; PLACES]>,
-    /// Lists with rays, in a ring: never more of them than rays.
-    turns: Box<[u32; PLACES]>,
+    heads: Vec<u32>,
+    /// Who came before each ray, to the same list; of one that has ended, the last edge to which it
+    /// came, [`u32::MAX`] for none, or where it is not known.
+    before: Box<[u32; NUMBERS]>,
+    /// Lists that may have rays, in a ring; eight for each vector. Rays make as many vectors in a round
+    /// at most, and the notes of two rounds are kept at most.
+    turns: Box<[[u32; 8]; NUMBERS / 8]>,
 }
+
+const _: () = assert!(2 * PLACES <= NUMBERS / 8);
 
 impl Queues {
     fn new(space: &Space) -> Self {
-        let lists = space.edges.len() + space.cells.len() + 1;
+        let lists = space.edges.len() + space.cells.len();
+        let mut rays = Box::new([Going([[0.0; 4]; 2]); PLACES]);
+        rays[NOBODY as usize] = Going::NOBODY;
         Self {
             bound: Bound::new(&space.layout),
             batch: Vec::with_capacity(PLACES),
-            rays: Box::new([Going::NOBODY; PLACES]),
-            edges: Box::new([u32::MAX; PLACES]),
-            heads: vec![NOBODY; lists],
-            before: Box::new([NOBODY; PLACES]),
-            turns: Box::new([0; PLACES]),
+            rays,
+            heads: vec![NOBODY; lists + 8],
+            before: bytemuck::zeroed_box(),
+            turns: bytemuck::zeroed_box(),
         }
     }
 
-    /// Puts the rays of the batch where they start. Out: the number of turns given out.
+    /// Puts the rays of the batch where they start, and notes that.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S) -> usize {
+    fn fill<S: Simd>(&mut self, simd: S) {
         let (rays, before) = (&mut *self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
-        let mut given = 0;
-        for (own, number) in self.batch.iter().zip(1..) {
-            let number: usize = number % PLACES;
-            let (going, fits) = Going::new(simd, own, &self.bound);
-            rays[number] = going;
-            self.edges[number] = u32::MAX;
-            if !fits {
-                continue;
+        let notes = turns.as_flattened_mut().as_chunks_mut::<4>().0;
+        let mut number: u16 = 1;
+        for (four, note) in self.batch.as_chunks().0.iter().zip(notes) {
+            let (going, fits) = Going::four(simd, four, &self.bound);
+            *note = four.each_ref().map(Own::list);
+            for k in 0..4 {
+                rays[number as usize % PLACES] = going[k];
+                let before = &mut before[number as usize];
+                if fits >> k & 1 != 0 {
+                    let head = &mut heads[note[k] as usize];
+                    *before = std::mem::replace(head, u32::from(number));
+                } else {
+                    *before = u32::MAX;
+                }
+                number += 1;
             }
-            let list = own.list();
-            let head = &mut heads[list as usize];
-            turns[given % PLACES] = list;
-            given += usize::from(*head == NOBODY);
-            before[number] = *head;
-            *head = number as u16;
         }
-        given
     }
 
-    /// Takes all rays to their ends; so many turns are given out.
+    /// Takes all rays to their ends.
     #[inline(always)]
-    fn run<S: Simd>(&mut self, simd: S, space: &Space, mut given: usize) {
+    fn run<S: Simd>(&mut self, simd: S, space: &Space) {
+        let (layout, bound, batch) = (&space.layout, &self.bound, &self.batch);
         let (rays, before) = (&*self.rays, &mut *self.before);
         let (heads, turns) = (&mut self.heads[..], &mut *self.turns);
-        let edges = &mut *self.edges;
-        let (layout, bound) = (&space.layout, &self.bound);
-        let ended = heads.len() as u32 - 1;
-        // Never empty, so that it is never its turn.
-        heads[ended as usize] = 1;
-        let mut taken = 0;
+        let ended = heads.len() as u32 - 8;
+        // The last note of an odd number of fours is of a batch before, and harmless: its lists are
+        // empty, or have their turn early.
+        let (mut taken, mut noted) = (0, batch.len().div_ceil(8));
         // All rays go on by a cell in each round, and no cell is crossed twice.
-        let (mut rounds, mut round) = (0, given);
-        while taken < given {
+        let (mut rounds, mut round) = (0, noted);
+        while taken < noted {
             if taken == round {
-                (rounds, round) = (rounds + 1, given);
+                (rounds, round) = (rounds + 1, noted);
                 if rounds > space.cells.len() {
-                    lose(
-                        edges,
-                        before,
-                        heads,
-                        (taken..given).map(|k| turns[k % PLACES]),
-                    );
-                    break;
+                    let left = (taken..noted).flat_map(|k| turns[k % turns.len()]);
+                    lose(before, heads, left);
+                    return;
                 }
             }
-            let list = turns[taken % PLACES];
+            let note = taken % turns.len();
             taken += 1;
-            let [first, past] = layout.asked[list as usize];
-            let sides = &layout.sides[first as usize..past as usize];
-            let head = std::mem::replace(&mut heads[list as usize], NOBODY);
-            let mut next = eight(before, head);
-            while next[0] != NOBODY {
-                let these = next;
-                next = eight(before, before[these[7] as usize % PLACES]);
-                let eight = these.map(|i| &rays[i as usize % PLACES]);
-                let mut exits = leave(simd, bound, sides, ended, eight);
-                while exits.doubt != 0 {
-                    let k = exits.doubt.trailing_zeros() as usize;
-                    exits.doubt &= exits.doubt - 1;
-                    if these[k] != NOBODY {
-                        let own = &self.batch[these[k] as usize - 1];
-                        (exits.to[k], exits.edge[k]) = exactly(space, list, ended, own);
+            if turns[note]
+                .iter()
+                .fold(0, |any, &list| any | heads[list as usize])
+                == NOBODY
+            {
+                continue;
+            }
+            for k in 0..8 {
+                let list = turns[note][k];
+                let head = std::mem::replace(&mut heads[list as usize], NOBODY);
+                if head == NOBODY {
+                    continue;
+                }
+                let asked = &layout.asked[list as usize];
+                let mut next = eight(before, head);
+                while next[0] != 0 {
+                    let these = next;
+                    next = eight(before, before[these[7] as usize]);
+                    let eight = these.map(|i| &rays[i as usize % PLACES]);
+                    let mut exits = leave(simd, layout, bound, asked, ended, eight);
+                    if exits.doubt != 0 {
+                        exits = settle(space, batch, list, ended, these, exits);
                     }
+                    let Exits { to, edge, .. } = exits;
+                    // Whoever ends finds there what is to be kept of it.
+                    heads[ended as usize..][..8].copy_from_slice(&edge);
+                    for k in 0..8 {
+                        let head = &mut heads[to[k] as usize];
+                        before[these[k] as usize] = std::mem::replace(head, u32::from(these[k]));
+                    }
+                    // Never for a turn.
+                    heads[ended as usize..][..8].copy_from_slice(&[NOBODY; 8]);
+                    before[NOBODY as usize] = NOBODY;
+                    turns[noted % turns.len()] = to;
+                    noted += 1;
                 }
-                let Exits { to, edge, .. } = exits;
-                for k in 0..8 {
-                    let ray = these[k] as usize % PLACES;
-                    edges[ray] = edge[k];
-                    let head = &mut heads[to[k] as usize];
-                    turns[given % PLACES] = to[k];
-                    given += usize::from(*head == NOBODY);
-                    before[ray] = *head;
-                    *head = these[k] | u16::from(to[k] == ended);
-                }
-                before[NOBODY as usize] = NOBODY;
             }
         }
-        heads[ended as usize] = NOBODY;
     }
+}
+
+/// Finds out in f64 what is in doubt of eight rays.
+#[cold]
+#[inline(never)]
+fn settle(
+    space: &Space,
+    batch: &[Own],
+    list: u32,
+    ended: u32,
+    these: [u16; 8],
+    mut exits: Exits,
+) -> Exits {
+    while exits.doubt != 0 {
+        let k = exits.doubt.trailing_zeros() as usize;
+        exits.doubt &= exits.doubt - 1;
+        if these[k] != NOBODY as u16 {
+            let own = &batch[these[k] as usize - 1];
+            let (twin, edge) = exactly(space, list, own);
+            exits.to[k] = twin.unwrap_or(ended + k as u32);
+            exits.edge[k] = edge;
+        }
+    }
+    exits
 }
 
 /// Rays that are still under way, in these lists, are left to [`walk`](super::cast::walk), which gets them
 /// out of their circles.
 #[cold]
-fn lose(
-    edges: &mut [u32; PLACES],
-    before: &[u16; PLACES],
-    heads: &mut [u16],
-    lists: impl Iterator<Item = u32>,
-) {
+fn lose(before: &mut [u32; NUMBERS], heads: &mut [u32], lists: impl Iterator<Item = u32>) {
     for list in lists {
         let mut ray = std::mem::replace(&mut heads[list as usize], NOBODY);
         while ray != NOBODY {
-            edges[ray as usize] = u32::MAX;
-            ray = before[ray as usize];
+            ray = std::mem::replace(&mut before[ray as usize], u32::MAX);
         }
     }
 }
 
 /// The first of a list, and who came before.
 #[inline(always)]
-fn eight(before: &[u16; PLACES], first: u16) -> [u16; 8] {
-    let mut eight = [first; 8];
+fn eight(before: &[u32; NUMBERS], first: u32) -> [u16; 8] {
+    let mut eight = [first as u16; 8];
     for k in 1..8 {
-        eight[k] = before[eight[k - 1] as usize % PLACES];
+        eight[k] = before[eight[k - 1] as usize] as u16;
     }
     eight
 }

@@ -22,13 +22,13 @@
 //! 3uE |d.z| + 2uHs. [`WAY`] = 32 and [`HEIGHT`] = 24 stand for the sums 20 and 14, which covers
 //! vectors that round products by themselves, and the walk's own rounding, which is far less.
 
-use fearless_simd::{Simd, f32x4, f32x8, i32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, f32x4, f32x8, f64x4, i32x8, prelude::*, u32x8};
 
 use super::super::cast::Course;
-use super::super::layout::{Layout, Side};
-use super::super::ray::Ray;
+use super::super::layout::{Asked, Layout};
 use super::super::space::Space;
 use super::own::{Own, cell_and_entry};
+use super::shuffle::{picked, rows, transposed};
 
 /// A rounding.
 const U: f64 = f32::EPSILON as f64 / 2.0;
@@ -48,166 +48,166 @@ pub(super) struct Bound {
     way: f32,
     /// and for each unit on the plan.
     height: f32,
-    /// How large the numbers of a [`Going`] may be.
-    most: [f32; 8],
+    /// How far on the plan, and how high, a ray may start.
+    most: [f64; 2],
 }
 
-/// A direction may have components as large as this; on the plan, they must not be smaller than its
-/// inverse.
-const LONG: f32 = (1 << 30) as f32;
+/// A direction may be as long as this, on the plan and upright; on the plan, it must not be shorter
+/// than its inverse.
+const LONG: f64 = (1 << 30) as f64;
 
 impl Bound {
     pub fn new(layout: &Layout) -> Self {
         let (extent, high) = (layout.extent, layout.rise.max(layout.extent));
         let most = 2f64.powi(40);
         let fits = (most.recip()..most).contains(&extent) && high < most;
-        let [e, h] = if fits { [extent, high] } else { [-1.0; 2] }.map(|v| v as f32);
         Self {
             side: (SIDE * U * extent) as f32,
             way: (WAY * U * extent) as f32,
             height: (HEIGHT * U * high) as f32,
-            most: [e, e, h, LONG, LONG, LONG, f32::INFINITY, 0.0],
+            most: if fits { [extent, high] } else { [-1.0; 2] },
         }
     }
 }
 
-/// A ray under way, half a cache line: its origin, its direction, and their product on the plan.
+/// A ray under way, half a cache line: the direction's x and y, their product with the origin on the
+/// plan, and the direction's z; then the origin.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
-pub(super) struct Going([f32; 8]);
+pub(super) struct Going(pub [[f32; 4]; 2]);
 
 impl Going {
     /// One for which all corners are on the left.
-    pub const NOBODY: Self = Self([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -f32::MAX, 0.0]);
+    pub const NOBODY: Self = Self([[0.0, 0.0, -f32::MAX, 0.0], [0.0; 4]]);
 
-    /// And whether it may go with others.
+    /// Four rays, and which of them may go with others (four bits).
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, own: &Own, bound: &Bound) -> (Self, bool) {
-        let Ray {
-            origin: o,
-            direction: d,
-        } = own.ray();
-        let across = d.x * o.y - d.y * o.x;
-        let going = [
-            o.x as f32,
-            o.y as f32,
-            o.z as f32,
-            d.x as f32,
-            d.y as f32,
-            d.z as f32,
-            across as f32,
-            0.0,
-        ];
-        let size = f32x8::load_array_ref(simd, &going).abs();
-        let fits = size.simd_le(f32x8::load_array_ref(simd, &bound.most));
-        let fits = fits.all_true() & (going[3].abs() + going[4].abs() >= LONG.recip());
-        (Self(going), fits)
+    pub fn four<S: Simd>(simd: S, four: &[Own; 4], bound: &Bound) -> ([Self; 4], u64) {
+        let [ox, oy, oz, dx, dy, dz] = Own::columns(simd, four);
+        let all = |v: f64| f64x4::splat(simd, v);
+        let [far, high] = bound.most;
+        let length = dx.abs() + dy.abs();
+        let starts = ox.abs().max(oy.abs()).simd_le(all(far)) & oz.abs().simd_le(all(high));
+        let short = length.max(dz.abs()).simd_le(all(LONG));
+        let fits = starts & short & length.simd_ge(all(LONG.recip()));
+        let [a, b, c, d] = rows(simd, [dx, dy, dx * oy - dy * ox, dz]);
+        let [e, f, g, h] = rows(simd, [ox, oy, oz, all(0.0)]);
+        let going = [Self([a, e]), Self([b, f]), Self([c, g]), Self([d, h])];
+        (going, fits.to_bitmask())
     }
 }
 
 /// Where eight rays leave their cell.
+#[derive(Clone, Copy)]
 pub(super) struct Exits {
     /// The lists that they join.
     pub to: [u32; 8],
+    /// Through which edges; [`u32::MAX`] for none.
     pub edge: [u32; 8],
     /// Those of which neither is known.
     pub doubt: u64,
 }
 
-/// Takes eight rays that ask the same sides to the end of their cell.
+/// Takes eight rays that ask the same to the end of their cell. The k-th of them ends in the list
+/// `ended` + k.
 #[inline(always)]
 pub(super) fn leave<S: Simd>(
     simd: S,
+    layout: &Layout,
     bound: &Bound,
-    sides: &[Side],
+    asked: &Asked,
     ended: u32,
     r: [&Going; 8],
 ) -> Exits {
-    let [ox, oy, oz, dx] = transposed([
-        pair(simd, r[0], r[4], 0),
-        pair(simd, r[1], r[5], 0),
-        pair(simd, r[2], r[6], 0),
-        pair(simd, r[3], r[7], 0),
-    ]);
-    let [dy, dz, c, _] = transposed([
-        pair(simd, r[0], r[4], 4),
-        pair(simd, r[1], r[5], 4),
-        pair(simd, r[2], r[6], 4),
-        pair(simd, r[3], r[7], 4),
-    ]);
     let all = |v: f32| f32x8::splat(simd, v);
     let number = |v: u32| u32x8::splat(simd, v);
-    let (zero, back) = (all(0.0), -dy);
-    let side = |s: &Side| dx.mul_add(all(s.at[1]), back.mul_add(all(s.at[0]), -c));
-    let (last, rest) = sides.split_last().expect("a cell has corners");
-    let mut to = side(last);
+    let [dx, dy, across, dz] = columns(simd, r, 0);
+    let back = -dy;
+    let [first, past] = asked.corners;
+    let corners = &layout.corners[first as usize..past as usize];
+    let (last, rest) = corners.split_last().expect("a cell has corners");
+    let mut to = dx.mul_add(all(last.at[1]), back.mul_add(all(last.at[0]), -across));
     let mut least = to.abs();
-    let (mut nx, mut ny, mut offset) = (zero, zero, zero);
-    let (mut low, mut high) = (all(f32::NEG_INFINITY), all(f32::INFINITY));
-    let (mut twin, mut edge) = (number(ended), number(u32::MAX));
+    let none = number(u32::MAX);
+    let mut place = none;
     // From the last to the first, so that the first exit is the one that stays.
-    for s in rest.iter().rev() {
-        let from = side(s);
+    for corner in rest.iter().rev() {
+        let [x, y] = corner.at;
+        let from = dx.mul_add(all(y), back.mul_add(all(x), -across));
         least = least.min(from.abs());
         let (right, left) = (from.bitcast::<i32x8<S>>(), !to.bitcast::<i32x8<S>>());
         let exits = (right & left).simd_lt(0);
-        nx = exits.select(all(s.normal[0]), nx);
-        ny = exits.select(all(s.normal[1]), ny);
-        offset = exits.select(all(s.offset), offset);
-        low = exits.select(all(s.low), low);
-        high = exits.select(all(s.high), high);
-        twin = exits.select(number(s.twin), twin);
-        edge = exits.select(number(s.edge), edge);
+        place = exits.select(number(corner.place), place);
         to = from;
     }
+    let [first, past] = asked.plates;
+    let plates = &layout.plates[first as usize..past as usize];
+    let (plate, further) = plates.split_first().expect("a cell has edges");
+    let mut nx = picked(simd, &plate.nx, place);
+    let mut ny = picked(simd, &plate.ny, place);
+    let mut offset = picked(simd, &plate.offset, place);
+    let mut low = picked(simd, &plate.low, place);
+    let mut high = picked(simd, &plate.high, place);
+    let mut twin = picked(simd, bytemuck::cast_ref(&plate.twin), place);
+    for (plate, k) in further.iter().zip(1..) {
+        let here = (place >> 3).simd_eq(number(k));
+        nx = here.select(picked(simd, &plate.nx, place), nx);
+        ny = here.select(picked(simd, &plate.ny, place), ny);
+        offset = here.select(picked(simd, &plate.offset, place), offset);
+        low = here.select(picked(simd, &plate.low, place), low);
+        high = here.select(picked(simd, &plate.high, place), high);
+        let further = picked(simd, bytemuck::cast_ref(&plate.twin), place);
+        twin = here.select(further, twin);
+    }
+    let [ox, oy, oz, _] = columns(simd, r, 1);
     let m = nx.mul_add(dx, ny * dy);
     let q = (-nx).mul_add(ox, (-ny).mul_add(oy, offset));
-    let up = q.max(zero) * dz;
+    let up = q.max(all(0.0)) * dz;
     let over = (oz - low).mul_add(m, up);
     let under = (high - oz).mul_add(m, -up);
     let between = over.min(under);
     let size = dx.abs() + dy.abs();
     let error = dz.abs().mul_add(all(bound.way), size * all(bound.height));
-    let doubt = least.simd_le(size * all(bound.side)) | between.abs().simd_le(error);
-    let passes = between.simd_gt(zero);
+    let exits = !place.simd_eq(none);
+    let doubt = least.simd_le(size * all(bound.side)) | (exits & between.abs().simd_le(error));
+    let passes = exits & between.simd_gt(all(0.0));
+    let end = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + number(ended);
+    let edge = exits.select(number(asked.edge) + place, none);
     Exits {
-        to: passes.select(twin, number(ended)).to_array(),
+        to: passes.select(twin.bitcast::<u32x8<S>>(), end).to_array(),
         edge: edge.to_array(),
         doubt: doubt.to_bitmask(),
     }
 }
 
-/// As the walk does it: the list that the ray joins, and the edge to which it comes.
-#[cold]
-#[inline(never)]
-pub(super) fn exactly(space: &Space, list: u32, ended: u32, own: &Own) -> (u32, u32) {
-    let (cell, entry) = cell_and_entry(space, list);
-    let Some(exit) = Course::new(space, own.ray()).exit(space.cell(cell.0), entry) else {
-        return (ended, u32::MAX);
-    };
-    let gate = &space.layout.gates[exit.edge as usize];
-    let passes = exit.z >= gate.low && exit.z <= gate.high;
-    (if passes { gate.twin } else { ended }, exit.edge)
+/// Four numbers of eight rays, in columns.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, r: [&Going; 8], half: usize) -> [f32x8<S>; 4] {
+    transposed(
+        simd,
+        [
+            pair(simd, r[0], r[4], half),
+            pair(simd, r[1], r[5], half),
+            pair(simd, r[2], r[6], half),
+            pair(simd, r[3], r[7], half),
+        ],
+    )
 }
 
 /// Four numbers of two rays.
 #[inline(always)]
-fn pair<S: Simd>(simd: S, a: &Going, b: &Going, at: usize) -> f32x8<S> {
-    let four = |ray: &Going| f32x4::from_slice(simd, &ray.0[at..at + 4]);
-    four(a).combine(four(b))
+fn pair<S: Simd>(simd: S, a: &Going, b: &Going, half: usize) -> f32x8<S> {
+    let a = f32x4::load_array_ref(simd, &a.0[half]);
+    a.combine(f32x4::load_array_ref(simd, &b.0[half]))
 }
 
-/// Four rows to four columns, in both halves.
-#[inline(always)]
-fn transposed<S: Simd>(r: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
-    let ([a, c], [b, d]) = (zip(r[0], r[2]), zip(r[1], r[3]));
-    let ([p, q], [r, s]) = (zip(a, b), zip(c, d));
-    [p, q, r, s]
-}
-
-/// Takes numbers of both in turn, in both halves.
-#[inline(always)]
-fn zip<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> [f32x8<S>; 2] {
-    let (low, high) = (a.zip_low(b).split(), a.zip_high(b).split());
-    [low.0.combine(high.0), low.1.combine(high.1)]
+/// As the walk does it: the list that a ray joins, if it goes on, and the edge to which it comes.
+pub(super) fn exactly(space: &Space, list: u32, own: &Own) -> (Option<u32>, u32) {
+    let (cell, entry) = cell_and_entry(space, list);
+    let Some(exit) = Course::new(space, own.ray()).exit(space.cell(cell.0), entry) else {
+        return (None, u32::MAX);
+    };
+    let gate = &space.layout.gates[exit.edge as usize];
+    let passes = exit.z >= gate.low && exit.z <= gate.high;
+    (passes.then_some(gate.twin), exit.edge)
 }

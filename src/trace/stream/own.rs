@@ -45,8 +45,7 @@ impl Own {
 
     /// Components of four origins, then of their directions.
     #[inline(always)]
-    pub fn columns<S: Simd>(simd: S, rays: &[Self; 4]) -> [f64x4<S>; 6] {
-        let [a, b, c, d] = rays;
+    pub fn columns<S: Simd>(simd: S, [a, b, c, d]: &[Self; 4]) -> [f64x4<S>; 6] {
         let (ox, oy) = columns(simd, [&a.rows[0], &b.rows[0], &c.rows[0], &d.rows[0]]);
         let (oz, dx) = columns(simd, [&a.rows[1], &b.rows[1], &c.rows[1], &d.rows[1]]);
         let (dy, dz) = columns(simd, [&a.rows[2], &b.rows[2], &c.rows[2], &d.rows[2]]);

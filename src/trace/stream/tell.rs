@@ -8,7 +8,7 @@ use std::hint::select_unpredictable;
 use fearless_simd::{Simd, f64x4, prelude::*};
 
 use super::super::cast::{Met, walk_on};
-use super::super::layout::Face;
+use super::super::layout::{Face, Kind};
 use super::super::space::{Space, Surface};
 use super::own::{Own, cell_and_entry, columns};
 use crate::cells::{CellId, EdgeId};
@@ -48,9 +48,9 @@ fn tell_some<S: Simd>(
     number: u32,
     out: &mut impl FnMut(u32, Option<Met>),
 ) {
-    let of = |e: u32| &space.layout.faces[select_unpredictable(e == u32::MAX, 0, e) as usize];
-    let faces = [of(edges[0]), of(edges[1]), of(edges[2]), of(edges[3])];
-    let (t, places) = four(simd, space, rays, faces);
+    let some = edges.map(|e| select_unpredictable(e == u32::MAX, 0, e) as usize);
+    let (faces, kinds) = (&space.layout.faces[..], &space.layout.kinds[..]);
+    let (t, places) = four(simd, rays, some.map(|e| &faces[e]));
     for k in 0..n {
         let number = number + k as u32;
         if edges[k] == u32::MAX {
@@ -58,7 +58,10 @@ fn tell_some<S: Simd>(
             let (cell, entry) = cell_and_entry(space, rays[k].list());
             out(number, walk_on(space, &rays[k].ray(), cell, entry));
         } else {
-            out(number, Some(met(faces[k], edges[k], t[k], places >> k)));
+            out(
+                number,
+                Some(met(&kinds[some[k]], edges[k], t[k], places >> k)),
+            );
         }
     }
 }
@@ -66,26 +69,22 @@ fn tell_some<S: Simd>(
 /// The `t` of four rays, and which of them are under the floor (four bits), over the ceiling, below
 /// the opening, above it.
 #[inline(always)]
-fn four<S: Simd>(
-    simd: S,
-    space: &Space,
-    rays: &[Own; 4],
-    [f, g, h, i]: [&Face; 4],
-) -> ([f64; 4], u64) {
+fn four<S: Simd>(simd: S, rays: &[Own; 4], [f, g, h, i]: [&Face; 4]) -> ([f64; 4], u64) {
     let [ox, oy, oz, dx, dy, dz] = Own::columns(simd, rays);
     let flats = [&f.flats, &g.flats, &h.flats, &i.flats];
     let gaps = [&f.gap, &g.gap, &h.gap, &i.gap];
     let ((floor, ceiling), (bottom, top)) = (columns(simd, flats), columns(simd, gaps));
-    let v = |v: u32| space.vertices[v as usize].as_ref();
-    let (ax, ay) = columns(simd, [v(f.from), v(g.from), v(h.from), v(i.from)]);
-    let (bx, by) = columns(simd, [v(f.to), v(g.to), v(h.to), v(i.to)]);
+    let (ax, ay) = columns(simd, [&f.from, &g.from, &h.from, &i.from]);
+    let (bx, by) = columns(simd, [&f.to, &g.to, &h.to, &i.to]);
     let (ax, ay, bx, by) = (ax - ox, ay - oy, bx - ox, by - oy);
     let zero = f64x4::splat(simd, 0.0);
     let width = (dx * by - dy * bx) - (dx * ay - dy * ax);
     let upright = ((ax * by - ay * bx) / width).max(zero);
     let z = oz + upright * dz;
     let (under, over) = (z.simd_lt(floor), z.simd_gt(ceiling));
-    let flat = ((under.select(floor, ceiling) - oz) / dz).max(zero);
+    // Both, so that neither division waits for the other's.
+    let (down, up) = ((floor - oz) / dz, (ceiling - oz) / dz);
+    let flat = under.select(down, up).max(zero);
     let (below, above) = (z.simd_lt(bottom), z.simd_gt(top));
     let places = under.to_bitmask()
         | over.to_bitmask() << 4
@@ -96,11 +95,11 @@ fn four<S: Simd>(
 
 /// The surface, by the lowest bit in each four of [`four`]'s.
 #[inline(always)]
-fn met(face: &Face, edge: u32, t: f64, places: u64) -> Met {
+fn met(kind: &Kind, edge: u32, t: f64, places: u64) -> Met {
     let place = places & 1 | places >> 3 & 2 | places >> 6 & 4 | places >> 9 & 8;
-    let kind = KINDS[face.sort as usize % 4][place as usize];
-    let id = select_unpredictable(kind < 2, face.cell, edge);
-    let surface = match kind {
+    let surface = SURFACES[kind.sort as usize % 4][place as usize];
+    let id = select_unpredictable(surface < 2, kind.cell, edge);
+    let surface = match surface {
         0 => Surface::Floor(CellId(id)),
         1 => Surface::Ceiling(CellId(id)),
         2 => Surface::Wall(EdgeId(id)),
@@ -112,14 +111,14 @@ fn met(face: &Face, edge: u32, t: f64, places: u64) -> Met {
     Met {
         t,
         surface,
-        cell: CellId(face.cell),
+        cell: CellId(kind.cell),
     }
 }
 
 /// Which surface it is, in the order of [`Surface`], as [`super::super::cast::face`] says: by
-/// [`Face::sort`], then by whether the ray is under the floor (1), over the ceiling (2), below (4) and
+/// [`Kind::sort`], then by whether the ray is under the floor (1), over the ceiling (2), below (4) and
 /// above the opening (8).
-const KINDS: [[u8; 16]; 4] = {
+const SURFACES: [[u8; 16]; 4] = {
     let mut kinds = [[0; 16]; 4];
     let mut i = 0;
     while i < 64 {
