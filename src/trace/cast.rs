@@ -247,20 +247,23 @@ pub fn walk(
     limit: f64,
     visit: impl FnMut(CellId, f64) -> f64,
 ) -> Option<Met> {
-    go(space, ray, start.cell, entry_of(space, start), limit, visit)
+    let at = (start.cell, entry_of(space, start));
+    walk_from(space, ray, at, limit, visit)
 }
 
 /// As [`walk`] without a limit, for a ray that has come into a cell through one of its edges.
 pub(super) fn walk_on(space: &Space, ray: &Ray, cell: CellId, entry: Option<u32>) -> Option<Met> {
-    go(space, ray, cell, entry, f64::INFINITY, |_, _| f64::INFINITY)
+    walk_from(space, ray, (cell, entry), f64::INFINITY, |_, _| {
+        f64::INFINITY
+    })
 }
 
+/// As [`walk`], for a ray that has come into a cell through one of its edges.
 #[inline]
-fn go(
+pub(super) fn walk_from(
     space: &Space,
     ray: &Ray,
-    start: CellId,
-    mut entry: Option<u32>,
+    (start, mut entry): (CellId, Option<u32>),
     mut limit: f64,
     mut visit: impl FnMut(CellId, f64) -> f64,
 ) -> Option<Met> {

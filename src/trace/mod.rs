@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | [`space`], [`cast`], [`beam`] | the level's cells in floating point; rays that walk through them, singly and many at once |
+//! | [`space`], [`cast`], [`beam`], [`stream`] | the level's cells in floating point; rays that walk through them: singly, many from one eye, many without order |
 //! | [`shapes`], [`accel`] | objects, and structures over many of them |
 //! | [`world`] | the space with materials, objects and lights; the nearest thing on a ray's way, by walking, brute force or structures |
 //! | [`light`], [`shade`] | light sources; the tree of rays |

@@ -8,6 +8,8 @@
 //!
 //! The effects decide which version of the [`Shader`] is taken, once per picture.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -16,9 +18,8 @@ use super::camera::Camera;
 use super::cast::Met;
 use super::effects::{Effect, Effects};
 use super::picture::{Exposure, Picture, tone};
-use super::ray::Ray;
 use super::sampling::{Source, branch};
-use super::shade::{Finish, Limits, Lit, Path, Shader, Work, finishes};
+use super::shade::{Finish, Limits, Lit, Nursery, Path, Shader, Sprout, Work, finishes};
 use super::shadow;
 use super::space::Surface;
 use super::world::meet::Meeting;
@@ -82,6 +83,9 @@ pub struct Rendered {
 
 /// Side of a tile in pixels.
 const TILE: u32 = 32;
+
+/// As many samples are followed together, or a few more.
+const ENOUGH: usize = 4000;
 
 /// Renders a picture from an eye in `start`, on the current rayon thread pool. `progress` counts
 /// pixels; once it is asked to stop, what is left of the picture stays black.
@@ -163,19 +167,23 @@ impl Job<'_> {
         let first = shader(samples);
         let tiles: Vec<(Area, Vec<DVec3>, Work)> = tiles(width, height)
             .into_par_iter()
-            .map(|area| {
-                let mut work = Work::new(n_cells);
-                let pixels = if self.progress.stopped() {
-                    Vec::new()
-                } else if samples == 1 && self.tracer.walks() {
-                    self.by_beams(&first, area, &mut work)
-                } else {
-                    let each = pixels(area).map(|p| self.pixel(&first, p, 0, samples, &mut work));
-                    each.map(|sum| sum / f64::from(samples)).collect()
-                };
-                self.progress.advance(area.len());
-                (area, pixels, work)
-            })
+            .map_init(
+                || Nursery::new(self.tracer),
+                |nursery, area| {
+                    let mut work = Work::new(n_cells);
+                    let pixels = if self.progress.stopped() {
+                        Vec::new()
+                    } else if samples == 1 && self.tracer.walks() {
+                        self.by_beams(&first, nursery, area, &mut work)
+                    } else {
+                        let all = pixels(area).collect::<Vec<_>>();
+                        let mean = f64::from(samples);
+                        self.by_samples(&first, nursery, &all, (0..samples, mean), &mut work)
+                    };
+                    self.progress.advance(area.len());
+                    (area, pixels, work)
+                },
+            )
             .collect();
         let mut picture = Picture {
             size: self.camera.size,
@@ -206,6 +214,7 @@ impl Job<'_> {
     fn by_beams<const A: bool, const B: bool, const C: bool, const D: bool>(
         &self,
         shader: &Shader<A, B, C, D>,
+        nursery: &mut Nursery,
         area: Area,
         work: &mut Work,
     ) -> Vec<DVec3> {
@@ -216,6 +225,7 @@ impl Job<'_> {
         let crowded = !world.standing.is_empty();
         let fan = self.camera.fan();
         let mut lit = Vec::new();
+        let mut sprouts = nursery.bed();
         beam::cast_patches(
             &world.space,
             self.camera,
@@ -225,10 +235,7 @@ impl Job<'_> {
                 if A {
                     self.light_up(&patch, &mut lit);
                 }
-                let mut put = |x: u32, y: u32, colour| {
-                    let at = (y - area.y.0) * across + (x - area.x.0);
-                    colours[at as usize] = colour;
-                };
+                let at = |x: u32, y: u32| (y - area.y.0) * across + (x - area.x.0);
                 if !crowded
                     && depths.iter().all(|t| t.is_finite())
                     && let Some((surface, cell)) = patch.met
@@ -236,9 +243,7 @@ impl Job<'_> {
                 {
                     let known = (depths, &lit[..]);
                     return shader.spread(&sheet, &fan, &patch, known, work, &mut |x, y, list| {
-                        for (x, colour) in (x..).zip(list) {
-                            put(x, y, *colour);
-                        }
+                        colours[at(x, y) as usize..][..list.len()].copy_from_slice(list);
                     });
                 }
                 let across_patch = patch.area.width();
@@ -260,12 +265,15 @@ impl Job<'_> {
                         work.rays.primary += 1;
                         work.lit = lit.get(i).copied().unwrap_or_default();
                         let path = Path::new(self.key(x, y, 0));
-                        put(x, y, shader.colour_of(&ray, meeting.as_ref(), &path, work));
+                        sprouts.parent = at(x, y);
+                        colours[at(x, y) as usize] =
+                            shader.shade(&ray, meeting.as_ref(), &path, work, &mut sprouts);
                     }
                 });
             },
         );
-        work.lit = Lit::default();
+        shader.grow(nursery, &sprouts, &mut colours, work);
+        nursery.clear(sprouts);
         colours
     }
 
@@ -311,34 +319,47 @@ impl Job<'_> {
         }
     }
 
-    /// The sum of the samples from number `first` to `past` of a pixel, of as many as `past` in all.
-    fn pixel<const A: bool, const B: bool, const C: bool, const D: bool>(
+    /// The sums of such samples of pixels, of as many as the last is in all, divided by a number.
+    fn by_samples<const A: bool, const B: bool, const C: bool, const D: bool>(
         &self,
         shader: &Shader<A, B, C, D>,
-        [x, y]: [u32; 2],
-        first: u32,
-        past: u32,
+        nursery: &mut Nursery,
+        pixels: &[[u32; 2]],
+        (samples, by): (Range<u32>, f64),
         work: &mut Work,
-    ) -> DVec3 {
-        if self.progress.stopped() {
-            return DVec3::ZERO;
+    ) -> Vec<DVec3> {
+        let mut colours = vec![DVec3::ZERO; pixels.len()];
+        let mut sprouts = nursery.bed();
+        for (&[x, y], i) in pixels.iter().zip(0..) {
+            if self.progress.stopped() {
+                return colours;
+            }
+            let n = samples.end - samples.start;
+            let corner = DVec2::new(f64::from(x), f64::from(y));
+            let places: Vec<DVec2> = if samples.end == 1 {
+                vec![DVec2::splat(0.5)]
+            } else {
+                let key = branch(self.key(x, y, samples.start), 7);
+                Source::new(key, 0, 0).stratified(n).collect()
+            };
+            for (place, number) in places.into_iter().zip(samples.clone()) {
+                sprouts.add(Sprout {
+                    ray: self.camera.ray(corner + place),
+                    from: Departure::within(self.start),
+                    path: Path::new(self.key(x, y, number)),
+                    weight: 1.0,
+                });
+            }
+            work.rays.primary += u64::from(n);
+            sprouts.parent = i;
+            sprouts.close(DVec3::ONE, by);
+            if sprouts.len() >= ENOUGH || i as usize + 1 == pixels.len() {
+                shader.grow(nursery, &sprouts, &mut colours, work);
+                sprouts.clear();
+            }
         }
-        let n = past - first;
-        let corner = DVec2::new(f64::from(x), f64::from(y));
-        let places: Vec<DVec2> = if past == 1 {
-            vec![DVec2::splat(0.5)]
-        } else {
-            let key = branch(self.key(x, y, first), 7);
-            Source::new(key, 0, 0).stratified(n).collect()
-        };
-        let from = Departure::within(self.start);
-        let mut sum = DVec3::ZERO;
-        for (place, number) in places.into_iter().zip(first..) {
-            let ray: Ray = self.camera.ray(corner + place);
-            work.rays.primary += 1;
-            sum += shader.see(&ray, &from, &Path::new(self.key(x, y, number)), work);
-        }
-        sum
+        nursery.clear(sprouts);
+        colours
     }
 
     /// What a sample's chance is seeded with.
@@ -362,16 +383,18 @@ impl Job<'_> {
         let n_cells = self.tracer.world.space.cells.len();
         let chunks: Vec<(Vec<DVec3>, Work)> = rough
             .par_chunks(64)
-            .map(|chunk| {
-                let mut work = Work::new(n_cells);
-                let colours = chunk.iter().map(|&at| {
-                    let p = [at % width, at / width];
-                    self.pixel(shader, p, samples, adaptive.samples, &mut work)
-                });
-                let colours = colours.collect();
-                self.progress.advance(chunk.len());
-                (colours, work)
-            })
+            .map_init(
+                || Nursery::new(self.tracer),
+                |nursery, chunk| {
+                    let mut work = Work::new(n_cells);
+                    let pixels = chunk.iter().map(|&at| [at % width, at / width]);
+                    let more = (samples..adaptive.samples, 1.0);
+                    let pixels = pixels.collect::<Vec<_>>();
+                    let colours = self.by_samples(shader, nursery, &pixels, more, &mut work);
+                    self.progress.advance(chunk.len());
+                    (colours, work)
+                },
+            )
             .collect();
         debug_assert!(rough.iter().all(|&at| at < width * height));
         for (chunk, (sums, own)) in rough.chunks(64).zip(&chunks) {

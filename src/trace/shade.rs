@@ -27,6 +27,8 @@
 //! - *The end.* At the depth limit, and where the product of km and kt so far falls under a threshold.
 //! - *Chance.* Every draw is seeded by pixel, sample and its place in the tree, so that leaving out
 //!   what is not seen changes no other draw.
+//! - *Order.* The trees of many points grow together, level by level (`tree`), since rays that mirrors and
+//!   rough surfaces send on have no order, and are the faster the more of them go at once.
 //!
 //! What is compiled is decided by four flags, so that an effect which is absent costs nothing:
 //! `SHADOWS`, `SOFT` (lights with an extent), `SECONDARY` (anything that reflects or lets pass), and
@@ -35,6 +37,7 @@
 mod medium;
 mod sheet;
 mod surface;
+mod tree;
 
 use std::f64::consts::TAU;
 
@@ -43,6 +46,7 @@ use glam::{DVec2, DVec3};
 pub use medium::{Media, refract};
 pub use sheet::Sheet;
 pub use surface::{Finish, finishes, phong};
+pub use tree::{Nursery, Sprout, Sprouts};
 
 use super::dress::Look;
 use super::light::{arrival, is_area, middle, parts};
@@ -51,7 +55,7 @@ use super::sampling::{Source, branch};
 use super::shadow;
 use super::space::Surface;
 use super::world::meet::{Meeting, Obstacle};
-use super::world::{Departure, Hit, Tracer, What};
+use super::world::{Hit, Tracer, What};
 
 /// How far the tree of rays goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +150,7 @@ impl Work {
 }
 
 /// Where in the tree a ray is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Path {
     /// Reflections and refractions so far.
     pub depth: u32,
@@ -209,20 +213,16 @@ struct Spot<'h> {
 impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER: bool>
     Shader<'_, SHADOWS, SOFT, SECONDARY, SCATTER>
 {
-    /// The light that comes back along a ray.
-    pub fn see(&self, ray: &Ray, from: &Departure, path: &Path, work: &mut Work) -> DVec3 {
-        let meeting = self.tracer.nearest(ray, from, f64::INFINITY);
-        self.colour_of(ray, meeting.as_ref(), path, work)
-    }
-
-    /// The light that comes back from what a ray has met.
+    /// The light that comes back from what a ray has met, but for that of rays that go on from there:
+    /// those are added to `sprouts`, for [`Shader::grow`].
     #[inline]
-    pub fn colour_of(
+    pub fn shade(
         &self,
         ray: &Ray,
         meeting: Option<&Meeting>,
         path: &Path,
         work: &mut Work,
+        sprouts: &mut Sprouts,
     ) -> DVec3 {
         let world = self.tracer.world;
         let Some(meeting) = meeting else {
@@ -244,13 +244,9 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         };
         let look = world.look(&hit);
         if look == Look::Hole {
-            work.lit = Lit::default();
-            let ray = Ray {
-                origin: hit.point,
-                ..*ray
-            };
-            let from = self.tracer.depart(&hit, ray.direction);
-            return self.see(&ray, &from, path, work);
+            sprouts.add(self.onward(&hit, ray.direction, path.clone()));
+            sprouts.close(DVec3::ONE, 1.0);
+            return DVec3::ZERO;
         }
         let finish = &self.finishes[material.0 as usize];
         let view = -ray.direction.normalize();
@@ -278,8 +274,8 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             light += self.direct(&spot, finish, path, work);
         }
         if SECONDARY && path.depth < self.limits.depth {
-            light += self.mirrored(&spot, finish, path, work);
-            light += self.passing(&spot, finish, solid.then_some(turned), path, work);
+            self.mirror(&spot, finish, path, work, sprouts);
+            self.pass_on(&spot, finish, solid.then_some(turned), path, work, sprouts);
         }
         light
     }
@@ -441,42 +437,62 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         self.finishes[material as usize].pass(self.tracer.world, hit)
     }
 
-    /// Light that is reflected as by a mirror.
-    fn mirrored(&self, spot: &Spot, finish: &Finish, path: &Path, work: &mut Work) -> DVec3 {
+    /// A ray that goes on from a hit.
+    fn onward(&self, hit: &Hit, direction: DVec3, path: Path) -> Sprout {
+        Sprout {
+            ray: Ray {
+                origin: hit.point,
+                direction,
+            },
+            from: self.tracer.depart(hit, direction),
+            path,
+            weight: 1.0,
+        }
+    }
+
+    /// Rays that are reflected as by a mirror.
+    fn mirror(
+        &self,
+        spot: &Spot,
+        finish: &Finish,
+        path: &Path,
+        work: &mut Work,
+        sprouts: &mut Sprouts,
+    ) {
         let weight = path.weight * finish.km.max_element();
         if weight == 0.0 || weight < self.limits.threshold {
-            return DVec3::ZERO;
+            return;
         }
-        let direction = reflect(spot);
         let next = Path {
             depth: path.depth + 1,
             weight,
             key: branch(path.key, 1),
-            media: path.media,
+            media: path.media.clone(),
         };
-        finish.km * self.scattered(spot, finish, direction, 1.0, &next, Kind::Reflected, work)
+        work.rays.reflected += self.scatter(spot, finish, (reflect(spot), 1.0), &next, sprouts);
+        sprouts.close_all(finish.km);
     }
 
-    /// Light that passes, bent where it goes into or out of a solid thing; `leaves` says which, for
-    /// those.
-    fn passing(
+    /// Rays that pass, bent where they go into or out of a solid thing; `leaves` says which, for those.
+    fn pass_on(
         &self,
         spot: &Spot,
         finish: &Finish,
         leaves: Option<bool>,
         path: &Path,
         work: &mut Work,
-    ) -> DVec3 {
+        sprouts: &mut Sprouts,
+    ) {
         let weight = path.weight * finish.kt;
         if weight == 0.0 || weight < self.limits.threshold {
-            return DVec3::ZERO;
+            return;
         }
         let towards = -spot.view;
         let mut next = Path {
             depth: path.depth + 1,
             weight,
             key: branch(path.key, 2),
-            media: path.media,
+            media: path.media.clone(),
         };
         let mut direction = Some(towards);
         match (leaves, spot.hit.what) {
@@ -488,98 +504,73 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
                 };
                 direction = refract(towards, spot.normal, ratio);
             }
-            (_, What::Surface(surface)) if !matches!(surface, Surface::Pane(_)) => {
-                // Behind a floor there is nothing.
-                return DVec3::ZERO;
-            }
+            // Behind a floor there is nothing.
+            (_, What::Surface(surface)) if !matches!(surface, Surface::Pane(_)) => return,
             _ => {}
         }
-        let tint = finish.pass(self.tracer.world, spot.hit);
         match direction {
-            Some(d) => tint * self.scattered(spot, finish, d, -1.0, &next, Kind::Refracted, work),
+            Some(d) => {
+                work.rays.refracted += self.scatter(spot, finish, (d, -1.0), &next, sprouts);
+            }
             None => {
                 // Total internal reflection.
-                next.media = path.media;
-                let d = reflect(spot);
-                tint * self.scattered(spot, finish, d, 1.0, &next, Kind::Reflected, work)
+                next.media = path.media.clone();
+                let axis = (reflect(spot), 1.0);
+                work.rays.reflected += self.scatter(spot, finish, axis, &next, sprouts);
             }
         }
+        sprouts.close_all(finish.pass(self.tracer.world, spot.hit));
     }
 
-    /// Light from a direction, or from the cone about it; `side` is 1 for directions on the side of
-    /// the eye, -1 beyond the surface.
-    #[allow(clippy::too_many_arguments)]
-    fn scattered(
+    /// A ray into a direction, or rays into the cone about it; `side` is 1 for directions on the side of
+    /// the eye, -1 beyond the surface. Out: how many.
+    fn scatter(
         &self,
         spot: &Spot,
         finish: &Finish,
-        axis: DVec3,
-        side: f64,
+        (axis, side): (DVec3, f64),
         path: &Path,
-        kind: Kind,
-        work: &mut Work,
-    ) -> DVec3 {
-        if !SCATTER || finish.cone == 0.0 {
-            return self.follow(spot, axis, path, kind, work);
-        }
-        let n = if path.depth == 1 {
-            self.limits.scatter_samples
-        } else {
-            1
-        };
-        let mut source = Source::new(path.key, 0, 2);
-        let (u, v) = axis.any_orthonormal_pair();
-        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
-        for (sample, number) in source.stratified(n).zip(0..) {
-            let cos = 1.0 - sample.x * (1.0 - finish.cone.cos());
-            let sin = (1.0 - cos * cos).max(0.0).sqrt();
-            let (s, c) = (TAU * sample.y).sin_cos();
-            let direction = axis * cos + (u * c + v * s) * sin;
-            if side * spot.outer.dot(direction) <= 0.0 {
-                continue;
-            }
-            let weight = cos.powf(finish.shininess);
-            let each = Path {
-                key: branch(path.key, number),
-                ..*path
+        sprouts: &mut Sprouts,
+    ) -> u64 {
+        let mut cast = 0;
+        if SCATTER && finish.cone != 0.0 {
+            let n = if path.depth == 1 {
+                self.limits.scatter_samples
+            } else {
+                1
             };
-            sum += self.follow(spot, direction, &each, kind, work) * weight;
-            weights += weight;
+            let mut source = Source::new(path.key, 0, 2);
+            let (u, v) = axis.any_orthonormal_pair();
+            for (sample, number) in source.stratified(n).zip(0..) {
+                let cos = 1.0 - sample.x * (1.0 - finish.cone.cos());
+                let sin = (1.0 - cos * cos).max(0.0).sqrt();
+                let (s, c) = (TAU * sample.y).sin_cos();
+                let direction = axis * cos + (u * c + v * s) * sin;
+                if side * spot.outer.dot(direction) <= 0.0 {
+                    continue;
+                }
+                let weight = cos.powf(finish.shininess);
+                if weight == 0.0 {
+                    continue;
+                }
+                let each = Path {
+                    key: branch(path.key, number),
+                    ..path.clone()
+                };
+                sprouts.add(Sprout {
+                    weight,
+                    ..self.onward(spot.hit, direction, each)
+                });
+                cast += 1;
+            }
         }
-        if weights > 0.0 {
-            sum / weights
-        } else {
-            // A grazing ray of which every sample went astray.
-            self.follow(spot, axis, path, kind, work)
+        if cast == 0 {
+            // As a mirror does; or a grazing ray of which every sample went astray.
+            sprouts.add(self.onward(spot.hit, axis, path.clone()));
+            cast = 1;
         }
+        cast
     }
-
-    /// A ray on from a surface.
-    fn follow(
-        &self,
-        spot: &Spot,
-        direction: DVec3,
-        path: &Path,
-        kind: Kind,
-        work: &mut Work,
-    ) -> DVec3 {
-        match kind {
-            Kind::Reflected => work.rays.reflected += 1,
-            Kind::Refracted => work.rays.refracted += 1,
-        }
-        let ray = Ray {
-            origin: spot.hit.point,
-            direction,
-        };
-        let from = self.tracer.depart(spot.hit, direction);
-        self.see(&ray, &from, path, work)
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Kind {
-    Reflected,
-    Refracted,
 }
 
 /// R = V - 2(N·V)N, V being the way of the ray; about the geometric normal where the shading one would

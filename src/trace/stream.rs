@@ -12,6 +12,9 @@
 //! not told from one that has some: all eight lists that a vector joins are noted for a turn, and
 //! those that are empty when it comes, since others have noted them too, are passed over.
 //!
+//! Where the caller has more to ask of a ray than these cells know (things may stand in one), rays leave
+//! the stream as they come in, and the caller goes on with them.
+//!
 //! The eight are asked in f32, and those too near a corner or a height to be sure, one of some
 //! hundreds, in f64 (`lanes`). Only the last edge of each ray is worked out in f64 (`tell`).
 //!
@@ -33,8 +36,9 @@ mod tell;
 use super::cast::{Met, Place};
 use super::ray::Ray;
 use super::space::Space;
+use crate::cells::CellId;
 use lanes::{Bound, Exits, Going, exactly, leave};
-use own::Own;
+use own::{Own, cell_and_entry};
 use tell::tell;
 
 /// Rays that are under way together: as many as the cache nearest but one holds.
@@ -45,6 +49,17 @@ const BATCH: usize = PLACES - 4;
 
 /// As many numbers as a `u16` has, so that it needs no check as an index.
 const NUMBERS: usize = 1 << 16;
+
+/// How a ray of a stream ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// It meets something, as [`walk`](super::walk) tells.
+    Meets(Met),
+    /// It meets nothing.
+    Nothing,
+    /// It has come, through this edge if it did not start there, into a cell that stops rays.
+    Stops(CellId, Option<u32>),
+}
 
 /// What is needed to cast rays without order in a space, again and again.
 pub struct Stream<'a> {
@@ -68,11 +83,16 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// What the rays meet; `out` is told of each by its number, in order.
+    /// From now on rays end where they come into a cell of which `stops` says so, or start in one.
+    pub fn stop(&mut self, stops: impl Fn(CellId) -> bool) {
+        self.queues.stop(self.space, stops);
+    }
+
+    /// How the rays end; `out` is told of each by its number, in order.
     pub fn cast(
         &mut self,
         rays: impl IntoIterator<Item = (Ray, Place)>,
-        mut out: impl FnMut(u32, Option<Met>),
+        mut out: impl FnMut(u32, End),
     ) {
         let Self {
             space,
@@ -92,12 +112,19 @@ impl<'a> Stream<'a> {
             queues.batch.resize(n.next_multiple_of(4), last);
             dispatch!(*level, simd => queues.fill(simd));
             dispatch!(*level, simd => queues.run(simd, space));
-            let (batch, edges) = (&queues.batch[..n], &queues.before[1..=n]);
-            dispatch!(*level, simd => tell(simd, space, batch, edges, number, &mut out));
+            let (batch, ends) = (&queues.batch[..n], &queues.before[1..=n]);
+            let walk = !queues.stopping;
+            dispatch!(*level, simd => tell(simd, space, batch, ends, walk, number, &mut out));
             number += n as u32;
         }
     }
 }
+
+/// Stands for no edge, or one that is not known.
+const NONE: u32 = u32::MAX;
+
+/// Added to a list's number, if that is where a ray has been stopped.
+const STOPPED: u32 = 1 << 31;
 
 /// Stands for no ray, and is one that goes nowhere: so that lists and vectors may be filled with it.
 const NOBODY: u32 = 0;
@@ -111,8 +138,11 @@ struct Queues {
     rays: Box<[Going; PLACES]>,
     /// Whoever came last to each list.
     heads: Vec<u32>,
+    /// By list, whether rays are stopped there; whether any are anywhere.
+    stops: Vec<bool>,
+    stopping: bool,
     /// Who came before each ray, to the same list; of one that has ended, the last edge to which it
-    /// came, [`u32::MAX`] for none, or where it is not known.
+    /// came, or [`NONE`], or [`STOPPED`] and a list.
     before: Box<[u32; NUMBERS]>,
     /// Lists that may have rays, in a ring; eight for each vector. Rays make as many vectors in a round
     /// at most, and the notes of two rounds are kept at most.
@@ -131,9 +161,18 @@ impl Queues {
             batch: Vec::with_capacity(PLACES),
             rays,
             heads: vec![NOBODY; lists + 8],
+            stops: vec![false; lists],
+            stopping: false,
             before: bytemuck::zeroed_box(),
             turns: bytemuck::zeroed_box(),
         }
+    }
+
+    fn stop(&mut self, space: &Space, stops: impl Fn(CellId) -> bool) {
+        for (list, stop) in (0..).zip(&mut self.stops) {
+            *stop = stops(cell_and_entry(space, list).0);
+        }
+        self.stopping = self.stops.contains(&true);
     }
 
     /// Puts the rays of the batch where they start, and notes that.
@@ -153,7 +192,7 @@ impl Queues {
                     let head = &mut heads[note[k] as usize];
                     *before = std::mem::replace(head, u32::from(number));
                 } else {
-                    *before = u32::MAX;
+                    *before = NONE;
                 }
                 number += 1;
             }
@@ -194,6 +233,10 @@ impl Queues {
                 let list = turns[note][k];
                 let head = std::mem::replace(&mut heads[list as usize], NOBODY);
                 if head == NOBODY {
+                    continue;
+                }
+                if self.stops[list as usize] {
+                    end(before, head, STOPPED | list);
                     continue;
                 }
                 let asked = &layout.asked[list as usize];
@@ -253,10 +296,15 @@ fn settle(
 #[cold]
 fn lose(before: &mut [u32; NUMBERS], heads: &mut [u32], lists: impl Iterator<Item = u32>) {
     for list in lists {
-        let mut ray = std::mem::replace(&mut heads[list as usize], NOBODY);
-        while ray != NOBODY {
-            ray = std::mem::replace(&mut before[ray as usize], u32::MAX);
-        }
+        let head = std::mem::replace(&mut heads[list as usize], NOBODY);
+        end(before, head, NONE);
+    }
+}
+
+/// The rays of a list end so.
+fn end(before: &mut [u32; NUMBERS], mut ray: u32, so: u32) {
+    while ray != NOBODY {
+        ray = std::mem::replace(&mut before[ray as usize], so);
     }
 }
 

@@ -9,10 +9,10 @@ use super::*;
 use crate::cells::{CellGraph, EdgeId, Locator, Options, Subdivision, subdivide};
 use crate::level::{Level, doom, read, snap, wad};
 use crate::trace::camera::Camera;
-use crate::trace::cast::{Met, Place, walk};
+use crate::trace::cast::{Met, Place, entry_of, walk};
 use crate::trace::sampling::Source;
 use crate::trace::shadow::{self, Lamp};
-use crate::trace::stream::Stream;
+use crate::trace::stream::{End, Stream};
 
 /// What was compared: pixels, shadow rays of which so many are lit, rays of streams.
 #[derive(Debug, Default)]
@@ -22,6 +22,9 @@ struct Compared {
     shadow_rays: usize,
     lit: usize,
     streamed: usize,
+    stopped: usize,
+    /// Of the rays of streams, those that were given back where they started, for no reason of ours.
+    given_back: usize,
 }
 
 /// One of the levels, and its usual cells.
@@ -209,9 +212,13 @@ fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
             let mut met = Vec::new();
             for rays in rays.chunks(some) {
                 let so_far = met.len();
-                stream.cast(rays.iter().copied(), |i, m| {
+                stream.cast(rays.iter().copied(), |i, end| {
                     assert_eq!(so_far + i as usize, met.len(), "in order");
-                    met.push(m);
+                    met.push(match end {
+                        End::Meets(met) => Some(met),
+                        End::Nothing => None,
+                        End::Stops(..) => panic!("stopped, but nothing stops"),
+                    });
                 });
             }
             assert_eq!(met.len(), rays.len());
@@ -223,6 +230,40 @@ fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
         }
     }
     sum.streamed += rays.len();
+    stops(space, rays, &single, sum);
+}
+
+/// The same rays, where every third cell stops them.
+fn stops(space: &Space, rays: &[(Ray, Place)], single: &[Option<Met>], sum: &mut Compared) {
+    let stops = |cell: CellId| cell.0 % 3 == 0;
+    let mut stream = Stream::new(space);
+    stream.stop(stops);
+    stream.cast(rays.iter().copied(), |i, end| {
+        let (ray, place) = &rays[i as usize];
+        let mut way = Vec::new();
+        walk(space, ray, *place, f64::INFINITY, |cell, _| {
+            way.push(cell);
+            f64::INFINITY
+        });
+        let first = way.iter().position(|&cell| stops(cell));
+        match end {
+            End::Stops(cell, entry) if (cell, entry) == (place.cell, entry_of(space, *place)) => {
+                sum.given_back += usize::from(!stops(cell));
+            }
+            End::Stops(cell, entry) => {
+                let first = first.unwrap_or_else(|| panic!("{ray:?} comes to no such cell"));
+                assert_eq!(way[first], cell, "{ray:?}");
+                let entry = space.edge(entry.expect("it has come from elsewhere"));
+                assert_eq!(entry.cell, cell.0, "{ray:?}");
+                assert_eq!(space.edge(entry.twin).cell, way[first - 1].0, "{ray:?}");
+                sum.stopped += 1;
+            }
+            End::Meets(met) => {
+                assert_eq!((first, Some(met)), (None, single[i as usize]), "{ray:?}");
+            }
+            End::Nothing => panic!("only the caller knows, for {ray:?}"),
+        }
+    });
 }
 
 /// Every pixel of an area, and whether it is in the mask.
@@ -248,6 +289,8 @@ fn all_rays_meet_what_single_rays_do() {
             let graph = subdivide(&level, &options);
             let sum = same_as_single_rays(&level, &graph, 6, [120, 75]);
             assert!(sum.pixels > 50_000 && sum.streamed > 50_000, "{sum:?}");
+            assert!(sum.stopped > 100, "{sum:?}");
+            assert!(sum.given_back * 100 < sum.streamed, "{sum:?}");
             assert!(sum.masked > 100, "{sum:?}");
             assert!(
                 sum.lit > 10_000 && sum.lit < sum.shadow_rays * 9 / 10,

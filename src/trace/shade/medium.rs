@@ -1,48 +1,37 @@
 //! What a ray is in, and how it is bent where that changes.
 
 use glam::DVec3;
-
-/// How many things may hold a ray at the same time; further ones are as if they were not there.
-const MOST: usize = 6;
+use smallvec::SmallVec;
 
 /// The solid things that a ray is in, in the order in which it entered them. The last one's index of
 /// refraction counts; outside of all it is 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Media {
     /// Object and index of refraction.
-    held: [(u32, f64); MOST],
-    len: usize,
+    held: SmallVec<[(u32, f64); 1]>,
 }
 
 impl Media {
     /// The index of refraction where the ray is.
     pub fn index(&self) -> f64 {
-        match self.len {
-            0 => 1.0,
-            n => self.held[n - 1].1,
-        }
+        self.held.last().map_or(1.0, |held| held.1)
     }
 
     /// Goes into a thing. Returns n1/n2: the index before, by that after.
     pub fn enter(&mut self, object: u32, ior: f64) -> f64 {
         let before = self.index();
-        if self.len < MOST {
-            self.held[self.len] = (object, ior);
-            self.len += 1;
-        }
-        before / self.index()
+        self.held.push((object, ior));
+        before / ior
     }
 
     /// Comes out of a thing of that index. A ray that started in it (an eye in a glass) did not enter
     /// it: then its index holds before, if nothing else does.
     pub fn leave(&mut self, object: u32, ior: f64) -> f64 {
-        let found = self.held[..self.len].iter().rposition(|h| h.0 == object);
-        let Some(at) = found else {
-            return if self.len == 0 { ior } else { 1.0 };
+        let Some(at) = self.held.iter().rposition(|held| held.0 == object) else {
+            return if self.held.is_empty() { ior } else { 1.0 };
         };
         let before = self.index();
-        self.held.copy_within(at + 1..self.len, at);
-        self.len -= 1;
+        self.held.remove(at);
         before / self.index()
     }
 }

@@ -27,6 +27,7 @@ use fearless_simd::{Simd, f32x4, f32x8, f64x4, i32x8, prelude::*, u32x8};
 use super::super::cast::Course;
 use super::super::layout::{Asked, Layout};
 use super::super::space::Space;
+use super::NONE;
 use super::own::{Own, cell_and_entry};
 use super::shuffle::{picked, rows, transposed};
 
@@ -102,7 +103,7 @@ impl Going {
 pub(super) struct Exits {
     /// The lists that they join.
     pub to: [u32; 8],
-    /// Through which edges; [`u32::MAX`] for none.
+    /// Through which edges, or [`NONE`].
     pub edge: [u32; 8],
     /// Those of which neither is known.
     pub doubt: u64,
@@ -128,7 +129,7 @@ pub(super) fn leave<S: Simd>(
     let (last, rest) = corners.split_last().expect("a cell has corners");
     let mut to = dx.mul_add(all(last.at[1]), back.mul_add(all(last.at[0]), -across));
     let mut least = to.abs();
-    let none = number(u32::MAX);
+    let none = number(NONE);
     let mut place = none;
     // From the last to the first, so that the first exit is the one that stays.
     for corner in rest.iter().rev() {
@@ -205,7 +206,7 @@ fn pair<S: Simd>(simd: S, a: &Going, b: &Going, half: usize) -> f32x8<S> {
 pub(super) fn exactly(space: &Space, list: u32, own: &Own) -> (Option<u32>, u32) {
     let (cell, entry) = cell_and_entry(space, list);
     let Some(exit) = Course::new(space, own.ray()).exit(space.cell(cell.0), entry) else {
-        return (None, u32::MAX);
+        return (None, NONE);
     };
     let gate = &space.layout.gates[exit.edge as usize];
     let passes = exit.z >= gate.low && exit.z <= gate.high;

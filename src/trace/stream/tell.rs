@@ -1,4 +1,4 @@
-//! What has stopped rays of which the last edge is known, four at a time.
+//! How rays end of which the last edge is known, four at a time.
 //!
 //! In: rays, and the edges to which they came last. Out: the surfaces, and `t` in f64 as
 //! [`super::super::walk`] computes it. Nothing branches on where a ray ends.
@@ -11,29 +11,31 @@ use super::super::cast::{Met, walk_on};
 use super::super::layout::{Face, Kind};
 use super::super::space::{Space, Surface};
 use super::own::{Own, cell_and_entry, columns};
+use super::{End, NONE, STOPPED};
 use crate::cells::{CellId, EdgeId};
 
-/// Tells `out` what each ray of a batch meets; `number` is that of the first. An edge is
-/// [`u32::MAX`] where none is known.
+/// Tells `out` how each ray of a batch ends; `number` is that of the first. `ends` are edges, [`NONE`],
+/// or lists in which a ray was stopped; `walk` tells whether rays without an edge may walk.
 #[inline(always)]
 pub(super) fn tell<S: Simd>(
     simd: S,
     space: &Space,
     batch: &[Own],
-    edges: &[u32],
+    ends: &[u32],
+    walk: bool,
     mut number: u32,
-    out: &mut impl FnMut(u32, Option<Met>),
+    out: &mut impl FnMut(u32, End),
 ) {
-    let ((fours, rest), (edges, last_edges)) = (batch.as_chunks(), edges.as_chunks());
-    for (rays, edges) in fours.iter().zip(edges) {
-        tell_some(simd, space, rays, edges, 4, number, out);
+    let ((fours, rest), (ends, last_ends)) = (batch.as_chunks(), ends.as_chunks());
+    for (rays, ends) in fours.iter().zip(ends) {
+        tell_some(simd, space, (rays, ends, 4), walk, number, out);
         number += 4;
     }
     if let Some(&last) = rest.last() {
-        let (mut rays, mut edges) = ([last; 4], [u32::MAX; 4]);
+        let (mut rays, mut ends) = ([last; 4], [NONE; 4]);
         rays[..rest.len()].copy_from_slice(rest);
-        edges[..rest.len()].copy_from_slice(last_edges);
-        tell_some(simd, space, &rays, &edges, rest.len(), number, out);
+        ends[..rest.len()].copy_from_slice(last_ends);
+        tell_some(simd, space, (&rays, &ends, rest.len()), walk, number, out);
     }
 }
 
@@ -42,28 +44,38 @@ pub(super) fn tell<S: Simd>(
 fn tell_some<S: Simd>(
     simd: S,
     space: &Space,
-    rays: &[Own; 4],
-    edges: &[u32; 4],
-    n: usize,
+    (rays, ends, n): (&[Own; 4], &[u32; 4], usize),
+    walk: bool,
     number: u32,
-    out: &mut impl FnMut(u32, Option<Met>),
+    out: &mut impl FnMut(u32, End),
 ) {
-    let some = edges.map(|e| select_unpredictable(e == u32::MAX, 0, e) as usize);
+    let some = ends.map(|e| select_unpredictable(e >= STOPPED, 0, e) as usize);
     let (faces, kinds) = (&space.layout.faces[..], &space.layout.kinds[..]);
     let (t, places) = four(simd, rays, some.map(|e| &faces[e]));
     for k in 0..n {
         let number = number + k as u32;
-        if edges[k] == u32::MAX {
-            // Straight up or down, grazing a cell in a corner, or not fit for a queue.
-            let (cell, entry) = cell_and_entry(space, rays[k].list());
-            out(number, walk_on(space, &rays[k].ray(), cell, entry));
+        if ends[k] >= STOPPED {
+            out(number, alone(space, &rays[k], ends[k], walk));
         } else {
-            out(
-                number,
-                Some(met(&kinds[some[k]], edges[k], t[k], places >> k)),
-            );
+            let met = met(&kinds[some[k]], ends[k], t[k], places >> k);
+            out(number, End::Meets(met));
         }
     }
+}
+
+/// How a ray ends that has no edge: straight up or down, grazing a cell in a corner, not fit for a
+/// queue; or stopped.
+#[cold]
+fn alone(space: &Space, own: &Own, end: u32, walk: bool) -> End {
+    if end != NONE {
+        let (cell, entry) = cell_and_entry(space, end & !STOPPED);
+        return End::Stops(cell, entry);
+    }
+    let (cell, entry) = cell_and_entry(space, own.list());
+    if !walk {
+        return End::Stops(cell, entry);
+    }
+    walk_on(space, &own.ray(), cell, entry).map_or(End::Nothing, End::Meets)
 }
 
 /// The `t` of four rays, and which of them are under the floor (four bits), over the ceiling, below

@@ -11,7 +11,7 @@ use super::{MaterialIndex, World};
 use crate::cells::CellId;
 use crate::trace::accel::{Bounds, Cast, Contact, Count, Found, Kind, Primitives, Structure, Want};
 use crate::trace::brute;
-use crate::trace::cast::{Met, Place, walk};
+use crate::trace::cast::{Met, Place, entry_of, walk, walk_from};
 use crate::trace::ray::{Ray, Start};
 use crate::trace::space::{Surface, WALL};
 
@@ -186,22 +186,27 @@ impl<'a> Tracer<'a> {
         count: &mut impl Count,
     ) -> Option<Meeting> {
         match &self.way {
-            Way::Portal => self.walk(ray, from, limit, count),
+            Way::Portal => {
+                let at = (from.place.cell, entry_of(&self.world.space, from.place));
+                self.walk(ray, from, at, limit, count)
+            }
             Way::Brute(objects) => self.brute_force(objects, ray, from, limit, count),
             Way::Structure(structure) => self.search(structure, ray, from, limit, count),
         }
     }
 
-    fn walk(
+    /// By walking, for a ray that has come so far without meeting anything: into a cell, through an edge.
+    pub(super) fn walk(
         &self,
         ray: &Ray,
         from: &Departure,
+        at: (CellId, Option<u32>),
         limit: f64,
         count: &mut impl Count,
     ) -> Option<Meeting> {
         let world = self.world;
         if world.objects.is_empty() {
-            let met = walk(&world.space, ray, from.place, limit, |_, _| {
+            let met = walk_from(&world.space, ray, at, limit, |_, _| {
                 count.cell();
                 limit
             });
@@ -214,8 +219,8 @@ impl<'a> Tracer<'a> {
         let mut cast = None;
         let mut best: Option<Found> = None;
         let mut nearest = limit;
-        let mut last = from.place.cell;
-        let met = walk(&world.space, ray, from.place, limit, |cell, _| {
+        let mut last = at.0;
+        let met = walk_from(&world.space, ray, at, limit, |cell, _| {
             count.cell();
             last = cell;
             let furniture = &world.chambers[cell.0 as usize];

@@ -10,7 +10,9 @@
 //! | `furniture` | objects as shapes, listed in every cell that they reach into |
 //! | `lamps` | which lights a cell can see; lights for levels that have none |
 //! | [`meet`] | rays: the nearest thing on a ray's way, and how much light passes |
+//! | [`caster`] | the same for many rays at once |
 
+pub mod caster;
 mod furniture;
 mod lamps;
 pub mod meet;
