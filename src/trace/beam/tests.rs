@@ -235,7 +235,7 @@ fn streams(space: &Space, rays: &[(Ray, Place)], sum: &mut Compared) {
 
 /// The same rays, where every third cell stops them.
 fn stops(space: &Space, rays: &[(Ray, Place)], single: &[Option<Met>], sum: &mut Compared) {
-    let stops = |cell: CellId| cell.0 % 3 == 0;
+    let stops = |cell: CellId| cell.0.is_multiple_of(3);
     let mut stream = Stream::new(space);
     stream.stop(stops);
     stream.cast(rays.iter().copied(), |i, end| {

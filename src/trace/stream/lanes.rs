@@ -72,7 +72,7 @@ impl Bound {
 }
 
 /// A ray under way, half a cache line: the direction's x and y, their product with the origin on the
-/// plan, and the direction's z; then the origin.
+/// plan, and the direction's z; then the origin, and |x| + |y| of the direction.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Going(pub [[f32; 4]; 2]);
@@ -92,7 +92,7 @@ impl Going {
         let short = length.max(dz.abs()).simd_le(all(LONG));
         let fits = starts & short & length.simd_ge(all(LONG.recip()));
         let [a, b, c, d] = rows(simd, [dx, dy, dx * oy - dy * ox, dz]);
-        let [e, f, g, h] = rows(simd, [ox, oy, oz, all(0.0)]);
+        let [e, f, g, h] = rows(simd, [ox, oy, oz, length]);
         let going = [Self([a, e]), Self([b, f]), Self([c, g]), Self([d, h])];
         (going, fits.to_bitmask())
     }
@@ -129,7 +129,8 @@ pub(super) fn leave<S: Simd>(
     let (last, rest) = corners.split_last().expect("a cell has corners");
     let mut to = dx.mul_add(all(last.at[1]), back.mul_add(all(last.at[0]), -across));
     let mut least = to.abs();
-    let none = number(NONE);
+    // So far that the edge is none.
+    let none = number(NONE.wrapping_sub(asked.edge));
     let mut place = none;
     // From the last to the first, so that the first exit is the one that stays.
     for corner in rest.iter().rev() {
@@ -160,20 +161,19 @@ pub(super) fn leave<S: Simd>(
         let further = picked(simd, bytemuck::cast_ref(&plate.twin), place);
         twin = here.select(further, twin);
     }
-    let [ox, oy, oz, _] = columns(simd, r, 1);
+    let [ox, oy, oz, size] = columns(simd, r, 1);
     let m = nx.mul_add(dx, ny * dy);
     let q = (-nx).mul_add(ox, (-ny).mul_add(oy, offset));
     let up = q.max(all(0.0)) * dz;
     let over = (oz - low).mul_add(m, up);
     let under = (high - oz).mul_add(m, -up);
     let between = over.min(under);
-    let size = dx.abs() + dy.abs();
     let error = dz.abs().mul_add(all(bound.way), size * all(bound.height));
     let exits = !place.simd_eq(none);
     let doubt = least.simd_le(size * all(bound.side)) | (exits & between.abs().simd_le(error));
     let passes = exits & between.simd_gt(all(0.0));
     let end = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + number(ended);
-    let edge = exits.select(number(asked.edge) + place, none);
+    let edge = number(asked.edge) + place;
     Exits {
         to: passes.select(twin.bitcast::<u32x8<S>>(), end).to_array(),
         edge: edge.to_array(),
