@@ -28,7 +28,7 @@ use enfilade::trace::accel::{Cast, Kind, Want};
 use enfilade::trace::beam::{self, Area, Patch, middle};
 use enfilade::trace::camera::Camera;
 use enfilade::trace::sampling::Source;
-use enfilade::trace::shade::{self, Sprout};
+use enfilade::trace::shade::{self, Onward};
 use enfilade::trace::shadow::{self, Lamp};
 use enfilade::trace::shapes::mesh::{Mesh, Points};
 use enfilade::trace::stream::Stream;
@@ -626,14 +626,14 @@ impl View {
         let runs = (0..RUNS).map(|_| {
             let times = bounced.chunks(SOME).map(|chunk| {
                 some.clear();
-                some.extend(chunk.iter().map(|&(ray, place)| Sprout {
+                some.extend(chunk.iter().map(|&(ray, place)| Onward {
                     ray,
                     from: Departure { place, start: None },
                     path: shade::Path::new(0),
                     weight: 1.0,
                 }));
                 seconds(|| {
-                    let way = |sprout: &Sprout| (sprout.ray, sprout.from);
+                    let way = |ray: &Onward| (ray.ray, ray.from);
                     caster.nearest(&some, way, |_, meeting| {
                         black_box(meeting);
                     });

@@ -19,7 +19,7 @@ use super::cast::Met;
 use super::effects::{Effect, Effects};
 use super::picture::{Exposure, Picture, tone};
 use super::sampling::{Source, branch};
-use super::shade::{Finish, Limits, Lit, Nursery, Path, Shader, Sprout, Work, finishes};
+use super::shade::{Finish, Limits, Lit, Onward, Path, Shader, Waves, Work, finishes};
 use super::shadow;
 use super::space::Surface;
 use super::world::meet::Meeting;
@@ -168,17 +168,17 @@ impl Job<'_> {
         let tiles: Vec<(Area, Vec<DVec3>, Work)> = tiles(width, height)
             .into_par_iter()
             .map_init(
-                || Nursery::new(self.tracer),
-                |nursery, area| {
+                || Waves::new(self.tracer),
+                |waves, area| {
                     let mut work = Work::new(n_cells);
                     let pixels = if self.progress.stopped() {
                         Vec::new()
                     } else if samples == 1 && self.tracer.walks() {
-                        self.by_beams(&first, nursery, area, &mut work)
+                        self.by_beams(&first, waves, area, &mut work)
                     } else {
                         let all = pixels(area).collect::<Vec<_>>();
                         let mean = f64::from(samples);
-                        self.by_samples(&first, nursery, &all, (0..samples, mean), &mut work)
+                        self.by_samples(&first, waves, &all, (0..samples, mean), &mut work)
                     };
                     self.progress.advance(area.len());
                     (area, pixels, work)
@@ -214,7 +214,7 @@ impl Job<'_> {
     fn by_beams<const A: bool, const B: bool, const C: bool, const D: bool>(
         &self,
         shader: &Shader<A, B, C, D>,
-        nursery: &mut Nursery,
+        waves: &mut Waves,
         area: Area,
         work: &mut Work,
     ) -> Vec<DVec3> {
@@ -225,7 +225,7 @@ impl Job<'_> {
         let crowded = !world.standing.is_empty();
         let fan = self.camera.fan();
         let mut lit = Vec::new();
-        let mut sprouts = nursery.bed();
+        let mut wavefront = waves.wavefront();
         beam::cast_patches(
             &world.space,
             self.camera,
@@ -265,15 +265,15 @@ impl Job<'_> {
                         work.rays.primary += 1;
                         work.lit = lit.get(i).copied().unwrap_or_default();
                         let path = Path::new(self.key(x, y, 0));
-                        sprouts.parent = at(x, y);
+                        wavefront.parent = at(x, y);
                         colours[at(x, y) as usize] =
-                            shader.shade(&ray, meeting.as_ref(), &path, work, &mut sprouts);
+                            shader.shade(&ray, meeting.as_ref(), &path, work, &mut wavefront);
                     }
                 });
             },
         );
-        shader.grow(nursery, &sprouts, &mut colours, work);
-        nursery.clear(sprouts);
+        shader.follow(waves, &wavefront, &mut colours, work);
+        waves.done(wavefront);
         colours
     }
 
@@ -323,13 +323,13 @@ impl Job<'_> {
     fn by_samples<const A: bool, const B: bool, const C: bool, const D: bool>(
         &self,
         shader: &Shader<A, B, C, D>,
-        nursery: &mut Nursery,
+        waves: &mut Waves,
         pixels: &[[u32; 2]],
         (samples, by): (Range<u32>, f64),
         work: &mut Work,
     ) -> Vec<DVec3> {
         let mut colours = vec![DVec3::ZERO; pixels.len()];
-        let mut sprouts = nursery.bed();
+        let mut wavefront = waves.wavefront();
         for (&[x, y], i) in pixels.iter().zip(0..) {
             if self.progress.stopped() {
                 return colours;
@@ -343,7 +343,7 @@ impl Job<'_> {
                 Source::new(key, 0, 0).stratified(n).collect()
             };
             for (place, number) in places.into_iter().zip(samples.clone()) {
-                sprouts.add(Sprout {
+                wavefront.add(Onward {
                     ray: self.camera.ray(corner + place),
                     from: Departure::within(self.start),
                     path: Path::new(self.key(x, y, number)),
@@ -351,14 +351,14 @@ impl Job<'_> {
                 });
             }
             work.rays.primary += u64::from(n);
-            sprouts.parent = i;
-            sprouts.close(DVec3::ONE, by);
-            if sprouts.len() >= ENOUGH || i as usize + 1 == pixels.len() {
-                shader.grow(nursery, &sprouts, &mut colours, work);
-                sprouts.clear();
+            wavefront.parent = i;
+            wavefront.close(DVec3::ONE, by);
+            if wavefront.len() >= ENOUGH || i as usize + 1 == pixels.len() {
+                shader.follow(waves, &wavefront, &mut colours, work);
+                wavefront.clear();
             }
         }
-        nursery.clear(sprouts);
+        waves.done(wavefront);
         colours
     }
 
@@ -384,13 +384,13 @@ impl Job<'_> {
         let chunks: Vec<(Vec<DVec3>, Work)> = rough
             .par_chunks(64)
             .map_init(
-                || Nursery::new(self.tracer),
-                |nursery, chunk| {
+                || Waves::new(self.tracer),
+                |waves, chunk| {
                     let mut work = Work::new(n_cells);
                     let pixels = chunk.iter().map(|&at| [at % width, at / width]);
                     let more = (samples..adaptive.samples, 1.0);
                     let pixels = pixels.collect::<Vec<_>>();
-                    let colours = self.by_samples(shader, nursery, &pixels, more, &mut work);
+                    let colours = self.by_samples(shader, waves, &pixels, more, &mut work);
                     self.progress.advance(chunk.len());
                     (colours, work)
                 },

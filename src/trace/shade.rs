@@ -27,8 +27,8 @@
 //! - *The end.* At the depth limit, and where the product of km and kt so far falls under a threshold.
 //! - *Chance.* Every draw is seeded by pixel, sample and its place in the tree, so that leaving out
 //!   what is not seen changes no other draw.
-//! - *Order.* The trees of many points grow together, level by level (`tree`), since rays that mirrors and
-//!   rough surfaces send on have no order, and are the faster the more of them go at once.
+//! - *Order.* The trees of many points are followed together, level by level (`tree`): rays that mirrors
+//!   and rough surfaces send on have no order, and are the faster the more of them go at once.
 //!
 //! What is compiled is decided by four flags, so that an effect which is absent costs nothing:
 //! `SHADOWS`, `SOFT` (lights with an extent), `SECONDARY` (anything that reflects or lets pass), and
@@ -46,7 +46,7 @@ use glam::{DVec2, DVec3};
 pub use medium::{Media, refract};
 pub use sheet::Sheet;
 pub use surface::{Finish, finishes, phong};
-pub use tree::{Nursery, Sprout, Sprouts};
+pub use tree::{Onward, Wavefront, Waves};
 
 use super::dress::Look;
 use super::light::{arrival, is_area, middle, parts};
@@ -214,7 +214,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
     Shader<'_, SHADOWS, SOFT, SECONDARY, SCATTER>
 {
     /// The light that comes back from what a ray has met, but for that of rays that go on from there:
-    /// those are added to `sprouts`, for [`Shader::grow`].
+    /// those are added to `wavefront`, for [`Shader::follow`].
     #[inline]
     pub fn shade(
         &self,
@@ -222,7 +222,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         meeting: Option<&Meeting>,
         path: &Path,
         work: &mut Work,
-        sprouts: &mut Sprouts,
+        wavefront: &mut Wavefront,
     ) -> DVec3 {
         let world = self.tracer.world;
         let Some(meeting) = meeting else {
@@ -244,8 +244,8 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         };
         let look = world.look(&hit);
         if look == Look::Hole {
-            sprouts.add(self.onward(&hit, ray.direction, path.clone()));
-            sprouts.close(DVec3::ONE, 1.0);
+            wavefront.add(self.onward(&hit, ray.direction, path.clone()));
+            wavefront.close(DVec3::ONE, 1.0);
             return DVec3::ZERO;
         }
         let finish = &self.finishes[material.0 as usize];
@@ -274,8 +274,15 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             light += self.direct(&spot, finish, path, work);
         }
         if SECONDARY && path.depth < self.limits.depth {
-            self.mirror(&spot, finish, path, work, sprouts);
-            self.pass_on(&spot, finish, solid.then_some(turned), path, work, sprouts);
+            self.mirror(&spot, finish, path, work, wavefront);
+            self.pass_on(
+                &spot,
+                finish,
+                solid.then_some(turned),
+                path,
+                work,
+                wavefront,
+            );
         }
         light
     }
@@ -438,8 +445,8 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
     }
 
     /// A ray that goes on from a hit.
-    fn onward(&self, hit: &Hit, direction: DVec3, path: Path) -> Sprout {
-        Sprout {
+    fn onward(&self, hit: &Hit, direction: DVec3, path: Path) -> Onward {
+        Onward {
             ray: Ray {
                 origin: hit.point,
                 direction,
@@ -457,7 +464,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         finish: &Finish,
         path: &Path,
         work: &mut Work,
-        sprouts: &mut Sprouts,
+        wavefront: &mut Wavefront,
     ) {
         let weight = path.weight * finish.km.max_element();
         if weight == 0.0 || weight < self.limits.threshold {
@@ -469,8 +476,8 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
             key: branch(path.key, 1),
             media: path.media.clone(),
         };
-        work.rays.reflected += self.scatter(spot, finish, (reflect(spot), 1.0), &next, sprouts);
-        sprouts.close_all(finish.km);
+        work.rays.reflected += self.scatter(spot, finish, (reflect(spot), 1.0), &next, wavefront);
+        wavefront.close_all(finish.km);
     }
 
     /// Rays that pass, bent where they go into or out of a solid thing; `leaves` says which, for those.
@@ -481,7 +488,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         leaves: Option<bool>,
         path: &Path,
         work: &mut Work,
-        sprouts: &mut Sprouts,
+        wavefront: &mut Wavefront,
     ) {
         let weight = path.weight * finish.kt;
         if weight == 0.0 || weight < self.limits.threshold {
@@ -510,16 +517,16 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         match direction {
             Some(d) => {
-                work.rays.refracted += self.scatter(spot, finish, (d, -1.0), &next, sprouts);
+                work.rays.refracted += self.scatter(spot, finish, (d, -1.0), &next, wavefront);
             }
             None => {
                 // Total internal reflection.
                 next.media = path.media.clone();
                 let axis = (reflect(spot), 1.0);
-                work.rays.reflected += self.scatter(spot, finish, axis, &next, sprouts);
+                work.rays.reflected += self.scatter(spot, finish, axis, &next, wavefront);
             }
         }
-        sprouts.close_all(finish.pass(self.tracer.world, spot.hit));
+        wavefront.close_all(finish.pass(self.tracer.world, spot.hit));
     }
 
     /// A ray into a direction, or rays into the cone about it; `side` is 1 for directions on the side of
@@ -530,7 +537,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         finish: &Finish,
         (axis, side): (DVec3, f64),
         path: &Path,
-        sprouts: &mut Sprouts,
+        wavefront: &mut Wavefront,
     ) -> u64 {
         let mut cast = 0;
         if SCATTER && finish.cone != 0.0 {
@@ -557,7 +564,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
                     key: branch(path.key, number),
                     ..path.clone()
                 };
-                sprouts.add(Sprout {
+                wavefront.add(Onward {
                     weight,
                     ..self.onward(spot.hit, direction, each)
                 });
@@ -566,7 +573,7 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
         }
         if cast == 0 {
             // As a mirror does; or a grazing ray of which every sample went astray.
-            sprouts.add(self.onward(spot.hit, axis, path.clone()));
+            wavefront.add(self.onward(spot.hit, axis, path.clone()));
             cast = 1;
         }
         cast

@@ -1,8 +1,8 @@
 //! The lecture's trees of rays, of many points together, level by level.
 //!
-//! In: rays that go on from points ([`Sprouts`]), and the points' own light. Out: their light with that
-//! of everything behind. All rays of a level are cast together; what they meet gives light and sprouts
-//! the next level. Each sum is formed in the order of the lecture's recursion, so every colour is that
+//! In: rays that go on from points ([`Wavefront`]), and the points' own light. Out: their light with that
+//! of everything behind. All rays of a level are cast together; what they meet gives light, and the rays
+//! of the next level. Each sum is formed in the order of the lecture's recursion, so every colour is that
 //! of a tree that was followed branch by branch, to the last bit.
 
 use glam::DVec3;
@@ -12,41 +12,41 @@ use crate::trace::ray::Ray;
 use crate::trace::world::caster::Caster;
 use crate::trace::world::{Departure, Tracer};
 
-/// Rays that are cast together. Those of deeper levels are held beside them: at most as many, times what
-/// one ray sprouts, for each level.
+/// Rays that are cast together. Those of deeper levels are held beside them: for each level at most as
+/// many, times those that go on from one point.
 const TOGETHER: usize = 4 * 4092;
 
-/// What it takes to grow trees, again and again.
-pub struct Nursery<'a> {
+/// What it takes to follow wavefronts, again and again.
+pub struct Waves<'a> {
     caster: Caster<'a>,
-    /// Room for sprouts, from earlier.
-    beds: Vec<Sprouts>,
+    /// Room for more, from earlier ones.
+    spare: Vec<Wavefront>,
 }
 
-impl<'a> Nursery<'a> {
+impl<'a> Waves<'a> {
     /// For rays of this tracer.
     pub fn new(tracer: &'a Tracer<'a>) -> Self {
         Self {
             caster: Caster::new(tracer),
-            beds: Vec::new(),
+            spare: Vec::new(),
         }
     }
 
-    /// Room for sprouts.
-    pub fn bed(&mut self) -> Sprouts {
-        self.beds.pop().unwrap_or_default()
+    /// One without rays.
+    pub fn wavefront(&mut self) -> Wavefront {
+        self.spare.pop().unwrap_or_default()
     }
 
-    /// Takes it back.
-    pub fn clear(&mut self, mut bed: Sprouts) {
-        bed.clear();
-        self.beds.push(bed);
+    /// Takes one back that is no longer needed.
+    pub fn done(&mut self, mut wavefront: Wavefront) {
+        wavefront.clear();
+        self.spare.push(wavefront);
     }
 }
 
 /// A ray that goes on from a point.
 #[derive(Clone, Debug)]
-pub struct Sprout {
+pub struct Onward {
     /// The ray.
     pub ray: Ray,
     /// From where it starts.
@@ -59,11 +59,11 @@ pub struct Sprout {
 
 /// Rays that go on from points, in branches: of each the mean of the light is added to its point's.
 #[derive(Clone, Debug, Default)]
-pub struct Sprouts {
+pub struct Wavefront {
     /// The number of the point whose branches come next.
     pub parent: u32,
     branches: Vec<Branch>,
-    rays: Vec<Sprout>,
+    rays: Vec<Onward>,
 }
 
 /// Rays up to a number, from those of the branch before.
@@ -77,10 +77,10 @@ struct Branch {
     weights: f64,
 }
 
-impl Sprouts {
+impl Wavefront {
     /// One more ray of the branch that will be closed next.
     #[inline]
-    pub fn add(&mut self, ray: Sprout) {
+    pub fn add(&mut self, ray: Onward) {
         self.rays.push(ray);
     }
 
@@ -96,7 +96,7 @@ impl Sprouts {
         });
     }
 
-    /// As [`Sprouts::close`], divided by the sum of their weights.
+    /// As [`Wavefront::close`], divided by the sum of their weights.
     pub fn close_all(&mut self, factor: DVec3) {
         let first = self.branches.last().map_or(0, |branch| branch.past);
         let weights = self.rays[first..].iter().map(|ray| ray.weight);
@@ -124,38 +124,38 @@ impl<const SHADOWS: bool, const SOFT: bool, const SECONDARY: bool, const SCATTER
     Shader<'_, SHADOWS, SOFT, SECONDARY, SCATTER>
 {
     /// Adds to the light of points that of all rays that go on from them.
-    pub fn grow(
+    pub fn follow(
         &self,
-        nursery: &mut Nursery,
-        sprouts: &Sprouts,
+        waves: &mut Waves,
+        wavefront: &Wavefront,
         light: &mut [DVec3],
         work: &mut Work,
     ) {
         // Of the points that these rays meet nothing is known yet.
         work.lit = Lit::default();
-        let mut back = Vec::with_capacity(sprouts.rays.len());
-        let mut next = nursery.bed();
-        for together in sprouts.rays.chunks(TOGETHER) {
+        let mut back = Vec::with_capacity(wavefront.rays.len());
+        let mut next = waves.wavefront();
+        for together in wavefront.rays.chunks(TOGETHER) {
             let first = back.len();
-            let way = |sprout: &Sprout| (sprout.ray, sprout.from);
-            nursery.caster.nearest(together, way, |sprout, meeting| {
+            let way = |ray: &Onward| (ray.ray, ray.from);
+            waves.caster.nearest(together, way, |ray, meeting| {
                 next.parent = (back.len() - first) as u32;
-                let Sprout { ray, path, .. } = sprout;
+                let Onward { ray, path, .. } = ray;
                 back.push(self.shade(ray, meeting.as_ref(), path, work, &mut next));
             });
             if !next.is_empty() {
-                self.grow(nursery, &next, &mut back[first..], work);
+                self.follow(waves, &next, &mut back[first..], work);
                 next.clear();
             }
         }
-        nursery.clear(next);
+        waves.done(next);
         let mut first = 0;
-        for branch in &sprouts.branches {
+        for branch in &wavefront.branches {
             let rays = first..branch.past;
             first = branch.past;
             let mut sum = DVec3::ZERO;
-            for (light, sprout) in back[rays.clone()].iter().zip(&sprouts.rays[rays]) {
-                sum += *light * sprout.weight;
+            for (light, ray) in back[rays.clone()].iter().zip(&wavefront.rays[rays]) {
+                sum += *light * ray.weight;
             }
             light[branch.parent as usize] += branch.factor * (sum / branch.weights);
         }

@@ -41,7 +41,10 @@ fn zip<S: Simd>(simd: S, a: f32x8<S>, b: f32x8<S>) -> [f32x8<S>; 2] {
             f32x8::load_array(simd, last.to_array()),
         ];
     }
-    let (first, last) = (a.zip_low(b).split(), a.zip_high(b).split());
+    let (first, last) = (
+        simd.zip_low_f32x8(a, b).split(),
+        simd.zip_high_f32x8(a, b).split(),
+    );
     [first.0.combine(last.0), first.1.combine(last.1)]
 }
 
