@@ -353,11 +353,12 @@ impl Job<'_> {
             work.rays.primary += u64::from(n);
             wavefront.parent = i;
             wavefront.close(DVec3::ONE, by);
-            if wavefront.len() >= ENOUGH || i as usize + 1 == pixels.len() {
+            if wavefront.len() >= ENOUGH {
                 shader.follow(waves, &wavefront, &mut colours, work);
                 wavefront.clear();
             }
         }
+        shader.follow(waves, &wavefront, &mut colours, work);
         waves.done(wavefront);
         colours
     }

@@ -43,7 +43,7 @@ use tell::tell;
 const PLACES: usize = 4096;
 
 /// A batch of them: one place is [`NOBODY`]'s, and fours are filled up.
-const BATCH: usize = PLACES - 4;
+pub(super) const BATCH: usize = PLACES - 4;
 
 /// As many numbers as a `u16` has, so that it needs no check as an index.
 const NUMBERS: usize = 1 << 16;
@@ -254,7 +254,7 @@ impl Queues {
                 }
                 let asked = &layout.asked[list as usize];
                 let mut next = eight(before, head);
-                while next[0] != 0 {
+                while u32::from(next[0]) != NOBODY {
                     let these = next;
                     next = eight(before, before[these[7] as usize]);
                     let eight = these.map(|i| &rays[i as usize % PLACES]);
@@ -294,7 +294,7 @@ fn settle(
     while exits.doubt != 0 {
         let k = exits.doubt.trailing_zeros() as usize;
         exits.doubt &= exits.doubt - 1;
-        if these[k] != NOBODY as u16 {
+        if u32::from(these[k]) != NOBODY {
             let own = &batch[these[k] as usize - 1];
             let (twin, edge) = exactly(space, list, own);
             exits.to[k] = twin.unwrap_or(ended + k as u32);

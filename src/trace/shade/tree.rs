@@ -9,12 +9,13 @@ use glam::DVec3;
 
 use super::{Lit, Path, Shader, Work};
 use crate::trace::ray::Ray;
+use crate::trace::stream::BATCH;
 use crate::trace::world::caster::Caster;
 use crate::trace::world::{Departure, Tracer};
 
 /// Rays that are cast together. Those of deeper levels are held beside them: for each level at most as
 /// many, times those that go on from one point.
-const TOGETHER: usize = 4 * 4092;
+const TOGETHER: usize = 4 * BATCH;
 
 /// What it takes to follow wavefronts, again and again.
 pub struct Waves<'a> {

@@ -67,11 +67,13 @@ fn tell_some<S: Simd>(
 /// queue; or stopped.
 #[cold]
 fn alone(space: &Space, own: &Own, end: u32, walk: bool) -> End {
-    if end != NONE {
-        let (cell, entry) = cell_and_entry(space, end & !STOPPED);
-        return End::Stops(cell, entry);
-    }
-    let (cell, entry) = cell_and_entry(space, own.list());
+    let list = if end == NONE {
+        own.list()
+    } else {
+        end & !STOPPED
+    };
+    let (cell, entry) = cell_and_entry(space, list);
+    // Where rays may be stopped, only the caller can go on.
     if !walk {
         return End::Stops(cell, entry);
     }
